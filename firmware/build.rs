@@ -1,4 +1,4 @@
-//! Tells the linker where things go on the board.
+//! Passes the linker scripts and their search paths to the linker for the board's programs.
 
 fn main() {
     println!("cargo:rerun-if-changed=src/board/mps2/mps2.x");
@@ -11,7 +11,7 @@ fn main() {
     if has("MPS2_AN386") {
         println!("cargo:rustc-link-arg-bins=-T{here}/src/board/mps2/mps2.x");
     } else if has("NUCLEO_L476") {
-        // cortex-m-rt's script; it includes the root's memory.x.
+        // The script of cortex-m-rt; it includes memory.x from the repository's root.
         println!("cargo:rustc-link-arg-bins=-Tlink.x");
     }
     if has("DEFMT") {

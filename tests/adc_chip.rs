@@ -1,4 +1,4 @@
-//! The driver against the model of the chip, over both buses, with every trouble.
+//! The converter's driver with a model of the chip, over both buses, with every fault.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -24,7 +24,7 @@ fn expected(i: i32) -> Taken {
     Ok(Some(Counts(100_000 + 2_345 * i)))
 }
 
-/// Runs the driver for a number of periods; entry `i` belongs to sample `i`.
+/// Runs the driver for a number of periods; entry `i` of the result belongs to sample `i`.
 fn run(adc: &mut dyn BridgeAdc, clock: &Clock) -> Vec<Taken> {
     let mut tick = |n: u64| {
         clock.wait_until(n * PERIOD_NS);
@@ -63,8 +63,8 @@ fn lost(taken: &Taken) -> bool {
     taken.is_err() || *taken == Ok(None)
 }
 
-/// Trouble in samples 20 to 29 must show within two samples, be shown to its
-/// end, and leave nothing behind two samples after it.
+/// Checks a fault in samples 20 to 29: it is reported within two samples and to its end, and has no
+/// effect two samples after its end.
 fn check(taken: &[Taken], faults: &[AdcFault], name: &str) {
     for (i, taken) in (0_i32..).zip(taken) {
         match i {
@@ -74,7 +74,7 @@ fn check(taken: &[Taken], faults: &[AdcFault], name: &str) {
                 "{name}: sample {i} {taken:?}"
             ),
             32.. => assert_eq!(*taken, expected(i), "{name}: sample {i}"),
-            // A sample here may be lost, but never be a wrong number.
+            // A sample at the edges of the fault may be lost, but its number must not be wrong.
             _ => assert!(lost(taken) || *taken == expected(i), "{name}: {i} {taken:?}"),
         }
     }
@@ -145,7 +145,7 @@ fn a_frozen_code_is_found_when_it_comes_again_and_lets_go() {
 
 #[test]
 fn a_force_that_stands_still_is_not_a_frozen_code() {
-    // Codes that a hung converter could have, a quarter of full scale among them.
+    // Codes that a hung converter could have, including a quarter of full scale.
     for code in [0, 5_000, -5_000, 123_457, (1 << 21) - 1, -(1 << 21)] {
         let still = || LoadCell::from_codes(&[code; 64], 16.0);
         for taken in [serial(still(), Schedule::default()), i2c(still(), Schedule::default())] {

@@ -1,4 +1,4 @@
-//! Whatever the samples are: no panic, every number finite, every sample counted.
+//! Arbitrary samples cause no panic, give finite numbers only, and are all counted.
 
 use floe_core::{
     Config, Counts, Event, Fault, Newtons, Pipeline, RawSample, Reading, Report, Step,
@@ -9,7 +9,7 @@ use floe_tests::random::{check, pulls, samples};
 use floe_tests::scenes;
 use proptest::prelude::*;
 
-/// A reading of any kind.
+/// Readings of every kind.
 fn readings() -> impl Strategy<Value = Reading> {
     let any_force = any::<u32>().prop_map(f32::from_bits);
     let faults = [Fault::Sentinel, Fault::Timeout, Fault::Corrupt, Fault::Disconnected];
@@ -23,7 +23,7 @@ fn readings() -> impl Strategy<Value = Reading> {
     ]
 }
 
-/// How the index goes on.
+/// Changes of the index from one sample to the next.
 fn index_moves() -> impl Strategy<Value = (u32, bool)> {
     let far = prop_oneof![any::<u32>(), Just(u32::MAX), Just(RawSample::LAST_INDEX), Just(0)];
     prop_oneof![
@@ -44,7 +44,7 @@ fn wild_samples() -> impl Strategy<Value = Vec<RawSample>> {
     })
 }
 
-/// A pull with some of its samples replaced, and its indices moved from there on.
+/// A pull in which some samples are replaced and the following indices shifted.
 fn disturbed_samples() -> impl Strategy<Value = Vec<RawSample>> {
     let trouble = (0..960_usize, index_moves(), proptest::option::of(readings()));
     (pulls(), proptest::collection::vec(trouble, 0..12)).prop_map(|(test, troubles)| {
@@ -98,7 +98,7 @@ fn all_finite(what: &impl std::fmt::Debug, numbers: &[f32]) -> Result<(), TestCa
     Ok(())
 }
 
-/// Every number that comes out is finite, and every sample is accounted for.
+/// Checks that every result is finite and every sample counted.
 fn holds_for(config: &Config, samples: &[RawSample]) -> Result<(), TestCaseError> {
     let mut pipeline = Pipeline::new(config).unwrap();
     let mut events = 0;
@@ -138,7 +138,7 @@ fn disturbed_pulls_neither_panic_nor_give_what_is_not_a_number() {
     check(500, disturbed_samples(), |samples| holds_for(&block(), &samples));
 }
 
-/// Force of the size of one, by the number of the sample.
+/// Force of magnitude one as a function of the sample's index.
 type Pattern = fn(u32) -> f32;
 
 const PATTERNS: [(&str, Pattern); 8] = [
@@ -152,8 +152,8 @@ const PATTERNS: [(&str, Pattern); 8] = [
     ("growing saw", |i| (i % 31) as f32 * (i as f32 * 0.01).exp2()),
 ];
 
-/// From forces whose squares are no numbers any more to those at the end of the range,
-/// alone and on a dead load.
+/// Magnitudes from forces whose squares underflow to the end of the range, with and without a
+/// constant load.
 #[test]
 fn patterns_of_any_size_give_numbers() {
     let scales = [1e-38, 1e-30, 1e-20, 1e-15, 1e-10, 1e-5, 1.0, 1e5, 1e8, 1e11, 1e12];
@@ -174,14 +174,14 @@ fn patterns_of_any_size_give_numbers() {
     }
 }
 
-/// A logger that was off for years goes on at once: the time of a step is bounded.
+/// After a gap of years the next step still takes a short time.
 #[test]
 fn a_gap_of_any_length_is_passed_at_once() {
     let (sender, receiver) = std::sync::mpsc::channel();
     std::thread::spawn(move || {
         let test = (Pull { duration_s: 10.0, ..scenes::dff8_13() }, 1);
         let samples = samples(&test);
-        // The logger stops at any moment: while the block rests, slips, has just stopped.
+        // The gap begins at every sample: while the block rests, slips, or has just stopped.
         for end in 60..samples.len() {
             let far = (0..3).map(|i| feed::force((1 << 30) + i, 500.0));
             feed::replay(&block(), samples[..end].iter().copied().chain(far));
@@ -192,7 +192,7 @@ fn a_gap_of_any_length_is_passed_at_once() {
     assert!(outcome.is_ok(), "a step takes for ever");
 }
 
-/// The last indices that there are.
+/// Indices at the end of their range cause no panic.
 #[test]
 fn the_end_of_all_indices_is_no_panic() {
     for last in [RawSample::LAST_INDEX, RawSample::LAST_INDEX + 20, u32::MAX] {

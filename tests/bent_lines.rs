@@ -1,7 +1,8 @@
-//! Stick lines that are not straight: a winch that ripples, a cable that sags, a block that creeps.
+//! Stick lines that are not straight, because the winch's speed ripples, the cable sags or the
+//! block creeps.
 //!
-//! What counts is the force at the onset and at the stop, not the line's. What does not reach its
-//! aim yet is in `tests/golden/bent-lines-not-yet.csv`.
+//! The forces at onset and stop are judged, not the line. Figures that miss their aims are listed
+//! in `tests/golden/bent-lines-not-yet.csv`.
 //! `cargo test -p floe-tests --test bent_lines -- --nocapture` prints the figures.
 
 use floe::sim::Scene;
@@ -12,8 +13,8 @@ use floe_tests::score::{Errors, Score, run};
 
 const EVENTS: usize = 600;
 const RECORDS: u64 = 20;
-/// Aims of one cause by itself: a fifth of those of a hard case (.5 and 1.5 %), of which `all` has
-/// five that bend a line or move it.
+/// Aims for a single cause: a fifth of the aims of a hard case (.5 and 1.5 %), since the scene
+/// `all` has five causes that bend or shift a line.
 const BIAS_PERCENT: f64 = 0.1;
 const P95_PERCENT: f64 = 0.3;
 
@@ -37,22 +38,22 @@ fn creep(range_n: f64, white_n: f64) -> Scene {
     scene
 }
 
-/// Every bent line with its name.
+/// Every scene with a bent line, and its name.
 fn bent() -> Vec<(String, Scene)> {
     let mut all = Vec::new();
-    // The straight line alone would be off by the swing of the force, `fraction k w period / 2 pi`:
-    // 12 N at 0.7 s, 52 N at 3 s, of 781 and 491 N.
+    // A straight line would be wrong by the ripple of the force, `fraction k w period / 2 pi`: 12 N
+    // at 0.7 s, 52 N at 3 s, of 781 and 491 N.
     for (fraction, period_s) in
         [(0.3, 0.5), (0.3, 0.7), (0.3, 1.0), (0.3, 1.5), (0.3, 3.0), (0.2, 0.7), (0.1, 0.7)]
     {
         all.push((format!("ripple {fraction} in {period_s} s"), ripple(fraction, period_s)));
     }
-    // Without its softness at small forces `mu` would be 2 % too high.
+    // Without a model of the softness at small forces `mu` would be 2 % too high.
     for weight_n_per_m in [0.5, 0.9, 1.2] {
         all.push((format!("sag {weight_n_per_m} N/m"), sag(weight_n_per_m)));
     }
-    // A line that is followed to its end instead goes on above `Fs`: `mu_s` and `mu` are .6 % high.
-    // The first events are, until the creep is known.
+    // Extrapolation of the line to its end would exceed `Fs`: `mu_s` and `mu` would be .6 % high,
+    // as those of the first events are until the creep is known.
     for (range_n, white_n) in [(30.0, 0.5), (30.0, 2.0), (60.0, 1.0), (60.0, 2.0)] {
         all.push((format!("creep over {range_n} N; noise {white_n} N"), creep(range_n, white_n)));
     }
@@ -83,7 +84,7 @@ fn a_line_that_bends_is_followed() {
     aims::hold("bent-lines", &checks.concat());
 }
 
-/// The event's forces are those of its coefficients, also where the cable's softness comes in.
+/// An event's forces agree with its coefficients, also where the cable is soft.
 #[test]
 fn forces_and_coefficients_agree() {
     let scene = sag(0.9);

@@ -1,8 +1,8 @@
-//! Time stamps that jitter, with slips of about two samples: they leave hardly a residual, and only
-//! their swings, which differ from slip to slip, tell that the samples in them are off.
+//! Time stamps with jitter and slips of about two samples. Such slips leave almost no residuals,
+//! and only the differences between their swings reveal the errors of the stamps.
 //!
-//! `cargo test -p floe-tests --test brief_jitter -- --nocapture` prints the figures. What does not
-//! reach its aim yet is in `tests/golden/brief-jitter-not-yet.csv`.
+//! `cargo test -p floe-tests --test brief_jitter -- --nocapture` prints the figures. Figures that
+//! miss their aims are listed in `tests/golden/brief-jitter-not-yet.csv`.
 
 use floe::sim::Scene;
 use floe_tests::aims::{self, COVERAGE, Check, share_limits};
@@ -11,8 +11,8 @@ use floe_tests::score::{self, quantile, run};
 
 const SEEDS: u64 = 6;
 
-/// Errors of `mu_s`, combined standard deviations, and the median of these deviations: on a cable so many times as
-/// stiff as that of the base scene, whose stamps have the jitter of another scene, or none.
+/// Errors of `mu_s` in combined standard deviations, and the median of these standard deviations,
+/// for a cable `stiffer` times as stiff as that of scene `jitter`.
 fn off(stiffer: f64, jitter: &str) -> (Vec<f64>, f64) {
     let scene = stored(&format!("honesty/{jitter}"));
     let stiffness_n_per_m = stiffer * scene.stiffness_n_per_m;
@@ -43,7 +43,7 @@ fn swings_that_differ_tell_a_jitter() {
                 "k x {stiffer}, {jitter}: {} events, {inside:.3} in 95 %, {near:.4} within five, ± {std:.5}",
                 off.len()
             );
-            // .70 and .94 at least before the swings told it.
+            // .70 and .94 without the use of the swings' differences.
             let row = format!("{jitter} k x {stiffer}");
             let coverage = share_limits(COVERAGE, off.len());
             checks.push(Check::between(&row, "coverage of mu_s", inside, coverage));

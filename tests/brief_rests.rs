@@ -1,13 +1,13 @@
-//! Tests in which the block hardly rests, slips for long beside its noise, or slips for less than
-//! a sample: where lines end in the middle of slips if one does not look. The model holds in all
-//! of them, so their means have to.
+//! Scenes with very short rests, with slips that are long at their noise level, or with slips
+//! shorter than a sample, where stick lines could wrongly end within slips. The model holds in all
+//! of them, so their means must be right.
 
 use floe::sim::Scene;
 use floe_core::{Coefficient, Estimate, Event};
 use floe_tests::scenes::stored;
 use floe_tests::score::{Score, Tried, run};
 
-/// 200 to 300 recurrences in so many seconds.
+/// A scene of a duration that gives 200 to 300 recurrences.
 fn scene(
     [weight_n, stiffness_n_per_m, winch_m_per_s]: [f64; 3],
     [mu_s, mu]: [f64; 2],
@@ -27,7 +27,7 @@ fn scene(
     scene
 }
 
-/// Share of the events with both coefficients.
+/// Fraction of the events with both coefficients.
 fn read(tried: &Tried) -> f64 {
     let both =
         |&&(_, f): &&(usize, usize)| tried.found[f].mu_s.is_some() && tried.found[f].mu.is_some();
@@ -68,8 +68,8 @@ fn a_small_drop_in_much_noise_slips_for_long() {
     check("small drop", &scene([4900.0, 9e3, 0.074], [0.48, 0.41], 44.0, 400.0), 0.97);
 }
 
-/// Its few samples also fit a cable that goes slack in every slip, at half the loading rate: the
-/// winch tells that it is none.
+/// The few samples of this scene also fit a cable that goes slack in every slip, at half the
+/// loading rate; the winch's speed excludes this.
 #[test]
 fn a_taut_cable_that_looks_slack() {
     for seed in 1..=40 {
@@ -81,7 +81,7 @@ fn a_taut_cable_that_looks_slack() {
     }
 }
 
-/// One sample at most lies in a slip: its events are unsure, and their mean says so.
+/// A slip contains one sample at most: the events are uncertain, and the intervals include this.
 #[test]
 fn slips_of_less_than_a_sample_between_brief_rests() {
     for weight_n in [213.0, 360.0, 533.0] {
@@ -90,8 +90,8 @@ fn slips_of_less_than_a_sample_between_brief_rests() {
     }
 }
 
-/// A cell that lags departs from the model, and most fits are cut short by the next event: they
-/// are as unsure by it as those that are not.
+/// A cell with a lag departs from the model, and the next event cuts most fits short. Such fits
+/// must get the same additional uncertainty as complete ones.
 #[test]
 fn fits_that_the_next_event_cuts_short_are_as_unsure_as_the_others() {
     let scene = Scene { winch_m_per_s: 0.12, ..stored("honesty/lag_30") };
@@ -101,8 +101,8 @@ fn fits_that_the_next_event_cuts_short_are_as_unsure_as_the_others() {
     assert!(coverage.iter().all(|&share| share > 0.9), "{coverage:?}");
 }
 
-/// Share of the events of so many records, as many of each as given, with an error beyond five standard
-/// deviations.
+/// Fraction of the events with an error above five standard deviations, in `records` records with
+/// the first `most` events of each.
 fn far(scene: &Scene, records: u64, most: usize) -> f64 {
     let (mut far, mut all) = (0, 0);
     for seed in 1..=records {
@@ -118,8 +118,8 @@ fn far(scene: &Scene, records: u64, most: usize) -> f64 {
     f64::from(far) / f64::from(all)
 }
 
-/// Before a slip has a first answer its loading rate tells that the samples before the next highest one are on
-/// that one's ellipse, not on the line.
+/// Before a slip has a first answer, its loading rate shows that the samples before the next
+/// maximum belong to the ellipse of that slip, not to the stick line.
 #[test]
 fn the_first_event_ends_before_the_next_slip() {
     for ([weight_n, stiffness_n_per_m, winch_m_per_s], [mu_s, mu]) in [
@@ -132,10 +132,10 @@ fn the_first_event_ends_before_the_next_slip() {
     }
 }
 
-/// A sample on the edge of a fall to nothing: the cable may have gone slack long before.
+/// A sample at the edge of a fall to zero leaves open whether the cable went slack long before.
 #[test]
 fn the_last_sample_of_a_fall_to_nothing_is_not_sure_of_its_end() {
     let scene = scene([1150.0, 100e3, 0.0253], [0.66, 0.31], 0.35, 12.0);
-    // Of 40 records a single event would be too many.
+    // With 40 records a single event would exceed the limit.
     assert!(far(&scene, 200, usize::MAX) < 1e-3);
 }

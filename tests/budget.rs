@@ -1,7 +1,7 @@
-//! The budget: its arithmetic against the formula itself with drawn inputs, intervals that
-//! hold when the inputs are drawn from their standard deviations, means of few events, the
-//! damping's sensitivity against an integration of the damped block, and what the whole test
-//! tells of the losses in every event.
+//! The error budget: its arithmetic compared with the formula for drawn inputs, coverage of the
+//! intervals for inputs drawn from their standard deviations, means of few events, the sensitivity
+//! to damping compared with an integration of the damped block, and the losses of the whole test
+//! applied to every event.
 //!
 //! `cargo test -p floe-tests --test budget -- --nocapture` prints the figures.
 
@@ -27,7 +27,7 @@ const STD: InputStd = InputStd {
     winch: 0.0,
 };
 
-/// Errors of weight, slope, zero and span, in their standard deviations.
+/// Errors of weight, slope, zero and span, drawn in units of their standard deviations.
 fn draw(random: &mut Normal) -> [f64; 4] {
     [(); 4].map(|()| random.sample())
 }
@@ -78,13 +78,13 @@ fn contributions_add_up_to_what_drawn_inputs_do() {
         let own = entries.iter().map(|e| f64::from(e.shares[i].contribution).powi(2));
         let summed = own.sum::<f64>().sqrt();
         println!("drawn {drawn:.5}, budget {summed:.5}");
-        // 20 000 draws: half a percent; what is not linear: a percent.
+        // 20 000 draws: half a percent; nonlinear terms: one percent.
         assert!((summed / drawn - 1.0).abs() < 0.02, "{summed} {drawn}");
         assert!((summed / f64::from(mean.systematic_std) - 1.0).abs() < 1e-3);
     }
 }
 
-/// Share of true values in the 95 % intervals, of events and of means.
+/// Fraction of true values in the 95 % intervals, for events and for means.
 #[test]
 fn intervals_hold_when_the_inputs_are_drawn() {
     let variation = Variation { mu_s_fraction: 0.01, mu_fraction: 0.01 };
@@ -109,7 +109,7 @@ fn intervals_hold_when_the_inputs_are_drawn() {
             events.0 += usize::from((f64::from(low)..=f64::from(high)).contains(&truth.mu));
             events.1 += 1;
         }
-        // The mean is one of friction, which the events are drawn from.
+        // The mean estimates the friction from which the events are drawn.
         let (low, high) = outcome.report.mu.unwrap().ci95().unwrap();
         means.0 += usize::from((f64::from(low)..=f64::from(high)).contains(&scene.mu));
         means.1 += 1;
@@ -117,7 +117,7 @@ fn intervals_hold_when_the_inputs_are_drawn() {
     for (what, (inside, all)) in [("events", events), ("means", means)] {
         let coverage = f64::from(inside as u32) / f64::from(all as u32);
         println!("{what}: {inside} of {all}, {coverage:.3}");
-        // Events of a record share the draw: both are as sure as 300 draws, 3 x 0.0126.
+        // The events of a record share the draw, so both have the scatter of 300 draws, 3 x 0.0126.
         assert!((0.91..=0.99).contains(&coverage), "{what}: {coverage}");
     }
 }
@@ -147,7 +147,8 @@ fn means_of_few_events_cover_and_one_gives_none() {
     }
 }
 
-/// Force at the samples of a damped block, by Runge-Kutta: drag `2 D sqrt(k M)` on the block.
+/// Force at the samples of a damped block, by Runge-Kutta integration; drag `2 D sqrt(k M)` on the
+/// block.
 fn damped(scene: &Scene, damping: f64) -> Vec<f64> {
     let (k, w) = (scene.stiffness_n_per_m, scene.winch_m_per_s);
     let mass = scene.weight_n / 9.80665;
@@ -212,7 +213,8 @@ fn the_dampings_sensitivity_is_what_a_damped_block_shows() {
     }
 }
 
-/// Events of a lossy cable as they come and with what the whole test tells, and the report.
+/// Configuration, events of a lossy cable as reported live and with the losses of the whole test,
+/// and the report.
 fn lossy(damping_std: f32) -> (Config, [Vec<Event>; 2], floe_core::Report) {
     let scene =
         Scene::from_toml(include_str!("../host-sim/scenes/honesty/damping_5.toml")).unwrap();
@@ -236,7 +238,7 @@ fn events_hold_the_losses_of_the_whole_test() {
         let (mu_s, mu) = (event.mu_s.unwrap(), event.mu.unwrap());
         -std::f32::consts::FRAC_PI_2 * (mu_s.value - mu.value)
     };
-    // Every other input is exact: what an event holds are the losses alone.
+    // Every other input is exact, so the systematic part comes from the losses only.
     for (then, known) in then.iter().zip(&known) {
         let (mu_s, mu) = (known.mu_s.unwrap().systematic_std, known.mu.unwrap().systematic_std);
         let own = (by_mu(known) * report.damping_std).abs();
@@ -245,13 +247,13 @@ fn events_hold_the_losses_of_the_whole_test() {
         let value = |event: &Event| (event.mu_s.unwrap().value, event.mu.unwrap().value);
         assert_eq!(value(then), value(known));
     }
-    // The first ones did not know it when they came, the last one nearly all.
+    // The losses were unknown at the first event and nearly known at the last.
     let systematic = |event: &Event| event.mu.unwrap().systematic_std;
     let (first, last) = (then[0], *then.last().unwrap());
     assert!((systematic(&first) / (by_mu(&first) * 0.005).abs() - 1.0).abs() < 1e-4, "{first:?}");
     assert!(systematic(&known[0]) > 5.0 * systematic(&first), "{report:?}");
     assert!((systematic(&last) / systematic(known.last().unwrap()) - 1.0).abs() < 0.1);
-    // And it is what they missed: the error of the mean is the losses.
+    // The correction removes the error: the mean is wrong by the losses.
     assert!(losses.put_on([first.mu_s, first.mu])[1].unwrap().systematic_std > 0.02);
 }
 

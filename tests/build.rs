@@ -1,13 +1,13 @@
-//! The core in double precision: its own source with every `f32` an `f64`.
+//! Generates the core in double precision: its source with every `f32` replaced by `f64`.
 //!
-//! `floe_tests::wide` is the reference against which single precision is judged, so
-//! nothing but the width may differ: the text of `core/src` is converted, word by
-//! word, and whatever cannot be converted stops the build with a line that says so.
+//! `floe_tests::wide` is the reference for single precision, so nothing except the width may
+//! differ. The text of `core/src` is converted word by word; code that cannot be converted stops
+//! the build with a message that names it.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// Functions made from a number's bits, which have no other width: libm's stand in for them.
+/// Module with functions on the bits of an `f32`; in the conversion libm replaces it.
 const BITS: &str = "bits";
 
 fn main() {
@@ -18,7 +18,7 @@ fn main() {
     fs::write(out, wide).expect("OUT_DIR can be written");
 }
 
-/// All modules that `lib.rs` declares, and what it re-exports.
+/// All modules declared by `lib.rs`, and its re-exports.
 fn widened_core(source: &Path) -> Result<String, String> {
     let root = read(&source.join("lib.rs"))?;
     let exports = root.lines().filter(|line| line.starts_with("pub use "));
@@ -26,8 +26,8 @@ fn widened_core(source: &Path) -> Result<String, String> {
     Ok(widened_modules(&root, source)? + &exports)
 }
 
-/// The modules that a text declares, each in the text of a module of its own: from
-/// `folder/name.rs`, or `folder/name/mod.rs` with what that declares inside it.
+/// The modules that a text declares, each as a nested module: from `folder/name.rs`, or from
+/// `folder/name/mod.rs` with its submodules.
 fn widened_modules(text: &str, folder: &Path) -> Result<String, String> {
     let mut wide = String::new();
     for name in text.lines().filter_map(declared_module).filter(|&name| name != BITS) {
@@ -50,7 +50,7 @@ fn declared_module(line: &str) -> Option<&str> {
     line.strip_prefix("mod ")?.strip_suffix(';')
 }
 
-/// A module without its tests, in double precision.
+/// A module without its tests, converted to double precision.
 fn widened(text: &str) -> Result<String, String> {
     let text = without_tests(text)?;
     let mut wide = String::new();
@@ -66,7 +66,7 @@ fn widened(text: &str) -> Result<String, String> {
     Ok(wide)
 }
 
-/// The unit tests are the last item of a file.
+/// The text before the unit tests, which are the last item of a file.
 fn without_tests(text: &str) -> Result<&str, String> {
     let Some((code, tests)) = text.split_once("\n#[cfg(test)]\n") else { return Ok(text) };
     let end = tests.find("\n}\n").map_or(tests.len(), |at| at + 3);
@@ -77,7 +77,7 @@ fn without_tests(text: &str) -> Result<&str, String> {
 }
 
 fn widened_line(line: &str) -> Result<String, String> {
-    // What a feature derives, the twin does without.
+    // Feature-dependent derives are left out.
     if line.trim_start().starts_with(r#"#[cfg_attr(feature = "#) {
         return Ok(String::new());
     }
@@ -89,9 +89,9 @@ fn widened_line(line: &str) -> Result<String, String> {
         let of_libm = wide.ends_with("libm::");
         wide += &match piece {
             "f32" => "f64".to_owned(),
-            // sqrtf, atan2f and so on; libm's erf is its own.
+            // sqrtf, atan2f and so on lose their suffix; the f of erf is none.
             _ if of_libm && piece != "erf" => piece.strip_suffix('f').unwrap_or(piece).to_owned(),
-            // The exponent and mantissa of a number are those of its own width.
+            // Bits are specific to the width.
             "to_bits" | "from_bits" => return Err(format!("`{piece}` cannot be widened")),
             _ if piece.ends_with("_f32") && piece.starts_with(|c: char| c.is_ascii_digit()) => {
                 piece.replace("_f32", "_f64")
@@ -99,18 +99,18 @@ fn widened_line(line: &str) -> Result<String, String> {
             _ => piece.to_owned(),
         };
     }
-    // The tests' core has all effects, and so has its twin.
+    // All effects are enabled in the tests' core, and in the converted one.
     if let Some((before, rest)) = wide.split_once("cfg!(feature = ") {
         let after = rest.split_once(')').map_or("", |(_name, after)| after);
         wide = format!("{before}true{after}");
     }
-    // micromath has no other width: rough is rough.
+    // micromath has single precision only, which suffices for a rough root.
     let wide = wide.replace("use crate::num::bits;", "").replace("bits::", "libm::");
     let wide = wide.replace("F32Ext::sqrt(x)", "f64::from(F32Ext::sqrt(x as f32))");
     Ok(wide.replace("crate::", "crate::wide::"))
 }
 
-/// Words and what is between them.
+/// The words of a line, and the text between them.
 fn words(line: &str) -> impl Iterator<Item = &str> {
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let mut rest = line;

@@ -1,4 +1,4 @@
-//! The bundled logs are what their command makes.
+//! The bundled logs equal the output of the command that made them.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,7 @@ fn bundled(name: &str) -> String {
 
 #[test]
 fn csv_is_what_its_command_makes() {
-    // The command names its files, which differ here.
+    // The command line contains file names, which differ here.
     let without_command = |text: String| -> Vec<String> {
         text.lines().filter(|l| !l.starts_with("# made_by")).map(str::to_owned).collect()
     };

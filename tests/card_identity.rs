@@ -1,4 +1,4 @@
-//! Tests on a card that must not be taken for one another.
+//! Tests on a card that must not be confused with each other.
 
 use std::io::Cursor;
 
@@ -34,7 +34,7 @@ fn lengths(tests: &[Test]) -> Vec<usize> {
     tests.iter().map(|test| test.samples.len()).collect()
 }
 
-/// 50 new sectors, and behind them 150 of an older test with the same number.
+/// 50 new sectors, followed by 150 of an older test with the same number.
 fn reused(encode: impl Fn(&Record) -> [u8; SECTOR_LEN], older: &Settings) -> (Vec<u8>, Vec<u8>) {
     let new = test(ONE, &settings(630.0, "NEW"), 0, 1000, 400);
     let older = test(Part { first_index: 400, ..OTHER }, older, 50, 900_000, 1200);
@@ -66,7 +66,7 @@ fn version_1_is_told_apart_by_settings_and_clock() {
         let (alone, mixed) = (replayed(new), replayed(both));
         assert_eq!((mixed.log.samples, estimate(&mixed)), (400, estimate(&alone)));
     }
-    // The same number and settings, and the index goes on: only the clock tells.
+    // Number and settings are equal and the index continues; only the clock differs.
     let older = test(Part { first_index: 0, ..ONE }, &settings(630.0, "NEW"), 0, 1000, 400);
     let mut later = test(ONE, &settings(630.0, "NEW"), 50, 20_000_000, 1600);
     later.drain(..50);
@@ -89,8 +89,8 @@ fn a_file_copied_twice_counts_once() {
     assert_eq!(estimate(&result), estimate(&replayed(log)));
 }
 
-/// Two cards, each with a test of the same number, and their sectors interleaved as
-/// on a disk that holds both files in pieces.
+/// Two cards, each with a test of the same number, whose sectors are interleaved as on a disk with
+/// both files in fragments.
 #[test]
 fn two_cards_in_one_image_stay_two() {
     let one = test(ONE, &settings(630.0, "A"), 0, 0, 400);
@@ -171,14 +171,14 @@ fn a_sector_returns_as_it_was() {
 #[test]
 fn headers_of_other_lengths_are_read() {
     let record = full();
-    // A later version knows more.
+    // A later version with more fields.
     assert_eq!(Record::decode(&with_header(&record, 200)).as_ref(), Ok(&record));
-    // An earlier one did not know how well the speed of the winch is known.
+    // An earlier version without the standard deviation of the winch's speed.
     let stds = Stds { winch_m_per_s: None, ..record.settings.stds };
     let settings = Settings { stds, ..record.settings.clone() };
     let before = Record { settings, ..record.clone() };
     assert_eq!(Record::decode(&with_header(&record, 176)).as_ref(), Ok(&before));
-    // An earlier one still knew no notes.
+    // An earlier version without notes.
     let earlier = Record::decode(&with_header(&record, 124)).expect("sound");
     assert_eq!(earlier.part, record.part);
     assert_eq!(
@@ -209,7 +209,7 @@ fn every_flipped_bit_is_noticed() {
     }
 }
 
-/// A right checksum makes nothing true.
+/// A sector with a right checksum and impossible values is rejected.
 #[test]
 fn what_no_logger_writes_is_refused() {
     let sector = full().encode();
@@ -225,7 +225,7 @@ fn what_no_logger_writes_is_refused() {
         padded[..name.len()].copy_from_slice(name);
         assert_eq!(broken(68, &padded), unsound, "{name:?}");
     }
-    // A name keeps its spaces.
+    // A name may contain spaces.
     let spaced = broken(68, b"a b\0\0\0\0\0\0\0\0\0\0\0\0\0").expect("sound");
     assert_eq!(spaced.settings.name.as_str(), "a b");
     for (at, number) in [

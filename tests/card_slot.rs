@@ -1,5 +1,5 @@
-//! Cards that come, go, are exchanged, full or cannot be read for a moment, through the real file
-//! system code: nothing on any of them is written over, and what the board says is so.
+//! Cards that are inserted, removed, exchanged, full or unreadable for a moment, with the real file
+//! system code: no data on any card are overwritten, and the board reports the true state.
 
 use std::io::Cursor;
 
@@ -10,20 +10,20 @@ use floe_tests::board::with_board;
 use floe_tests::fat::{Rest, SimCard, formatted, picture, with_picture};
 use floe_tests::records::stick_slip;
 
-/// 512 KiB: eight minutes.
+/// Length of the log, sectors: 512 KiB, eight minutes.
 const LOG_SECTORS: u32 = 1024;
 const BEGIN: &[u8] = b"set weight 630\nset span 5000\nlive off\nstart\n";
-/// Samples of a test; a card is looked at once in 16.
+/// Samples in a test, and the latest sample of a detection: a card is checked every 16 samples.
 const TICKS: u32 = 401;
 const LATEST: u32 = 33;
 
-/// How many samples each test on a card has.
+/// Number of samples of each test on a card.
 fn lengths(content: Vec<u8>) -> Vec<usize> {
     let tests = card::tests(Cursor::new(content)).map(|(tests, _)| tests).unwrap_or_default();
     tests.iter().map(|test| test.samples.len()).collect()
 }
 
-/// Switches a logger on for one test: what it says.
+/// Runs a logger for one test; returns its output.
 fn one_test(card: &SimCard, log_sectors: u32) -> String {
     with_board(CardLog::new(card.clone(), log_sectors), &stick_slip(TICKS), |board| {
         board.type_in(BEGIN);
@@ -33,7 +33,7 @@ fn one_test(card: &SimCard, log_sectors: u32) -> String {
     })
 }
 
-/// Exchanged between two tests, the second of which begins at once.
+/// The card is exchanged between two tests, the second of which starts at once.
 #[test]
 fn an_exchanged_card_keeps_what_is_on_it() {
     let card = SimCard::new(formatted());
@@ -71,7 +71,7 @@ fn a_card_that_is_taken_out_between_tests_is_missed() {
     });
 }
 
-/// Its settings are taken; what was being measured had been computed with others.
+/// The card's settings are taken, so a running measurement with other settings is ended.
 #[test]
 fn a_card_that_is_put_in_ends_what_is_being_measured() {
     let card = SimCard::new(formatted());
@@ -90,7 +90,7 @@ fn a_card_that_is_put_in_ends_what_is_being_measured() {
     });
 }
 
-/// Contacts that bounce while the end of the log is looked for.
+/// The contacts bounce while the end of the log is searched.
 #[test]
 fn tests_that_cannot_be_read_for_a_moment_are_not_written_over() {
     let card = SimCard::new(formatted());
@@ -129,7 +129,7 @@ fn a_full_log_is_said_and_another_card_taken() {
     assert!(lengths(card.content()).iter().sum::<usize>() > 50);
 }
 
-/// The words of a logger that is switched on with this card.
+/// Output of a logger switched on with this card.
 fn at_power_up(card: &SimCard, log_sectors: u32) -> String {
     with_board(CardLog::new(card.clone(), log_sectors), &[0], |board| {
         (0..LATEST).for_each(|_| board.tick());
@@ -165,7 +165,8 @@ fn a_test_that_has_filled_the_log_does_not_go_on() {
     assert!(said.contains("FLOE.LOG is full") && !said.contains("the test goes on"), "{said}");
 }
 
-/// Asked again and again: it is never said to have no file system, which would be formatted.
+/// The state is polled repeatedly: a full card must never be reported as unformatted, or the user
+/// would format it.
 #[test]
 fn a_card_without_room_is_named_as_that() {
     let card = SimCard::new(with_picture());

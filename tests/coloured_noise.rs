@@ -1,6 +1,6 @@
-//! A swing about the stick lines may be in the force (a winch that cogs) or in the measurement (hum of
-//! the mains, noise whose neighbours are alike): on the lines both look the same. The events tell
-//! which, and until they do no answer may be far worse than that of the lines as they are.
+//! Oscillations around the stick lines, either in the force (a winch that cogs) or in the
+//! measurement (mains hum, correlated noise). The lines alone do not distinguish them. The events
+//! do; until then no answer may be much worse than one from the lines alone.
 
 use floe::sim::Scene;
 use floe_core::{Effect, Effects};
@@ -8,10 +8,10 @@ use floe_tests::scenes::stored;
 use floe_tests::score::{Score, rms, run_looking_for};
 
 const RECORDS: u64 = 8;
-/// Least events of a scene whose intervals are looked at.
+/// Smallest number of events of a scene whose coverage is checked.
 const EVENTS: usize = 200;
 
-/// Root-mean-square errors of `mu_s` and `mu` over all events, the first ones too.
+/// Root-mean-square errors of `mu_s` and `mu` over all events, including the first ones.
 fn errors(name: &str, effects: Effects) -> [f64; 2] {
     let (scene, mut off) = (stored(name), [vec![], vec![]]);
     for seed in 1..=RECORDS {
@@ -28,7 +28,7 @@ fn errors(name: &str, effects: Effects) -> [f64; 2] {
     off.map(|off| rms(&off))
 }
 
-/// With all effects over that with all but the noise's colour.
+/// Ratios of the errors with all effects to those without the effect `Ripple`.
 fn ratios(name: &str) -> [f64; 2] {
     let lines = Effect::ALL.into_iter().filter(|it| *it != Effect::Ripple);
     let lines = lines.fold(Effects::NONE, |set, it| set.with(it, true));
@@ -54,8 +54,9 @@ fn what_the_winch_does_is_followed() {
     assert!(cogging < 0.85, "{cogging}");
 }
 
-/// Noise whose neighbours are alike by .9 is told from a slow swing in long rests too: 95 % intervals
-/// hold the truth where the winch is half as fast, and where there are twice as many samples.
+/// Noise with a correlation of .9 between neighbours is not taken for a slow oscillation in long
+/// rests: 95 % intervals cover the truth with half the winch speed, and with twice the sampling
+/// rate.
 #[test]
 fn slow_noise_in_long_rests_is_no_swing() {
     let noise = stored("honesty/ar1_90");

@@ -1,5 +1,5 @@
-//! Scenes in which nothing is known beforehand: every slip is to be found, and none
-//! invented, whatever the noise, the sampling and the cable.
+//! Detection without prior knowledge: every slip is found and none invented, for many kinds of
+//! noise, sampling and cable.
 
 use floe::bench::matching::Detection;
 use floe::sim::terms::Sag;
@@ -7,7 +7,7 @@ use floe::sim::{Measurement, Scene};
 use floe_tests::scenes;
 use floe_tests::score::run;
 
-/// What was found in records with these seeds.
+/// Detection in records with these seeds.
 fn found(scene: &Scene, seeds: impl IntoIterator<Item = u64>) -> Detection {
     let mut detection = Detection::default();
     seeds.into_iter().for_each(|seed| detection.add(run(scene, seed).detection));
@@ -18,7 +18,7 @@ fn noisy(white_n: f64) -> Measurement {
     Measurement { white_n, ..Measurement::default() }
 }
 
-/// A block that slides evenly.
+/// A scene with steady sliding.
 fn smooth(measurement: Measurement) -> Scene {
     Scene { start_sliding: true, measurement, ..Scene::default() }
 }
@@ -44,7 +44,7 @@ fn a_record_begins_without_false_slips() {
     assert_eq!(found(&scene, [129, 379, 433, 472]).false_alarms, 0);
 }
 
-/// Noise that is mostly one step of the converter looks smaller than it is.
+/// Noise of mostly one step of the converter appears smaller than it is.
 #[test]
 fn steps_as_large_as_the_noise_invent_nothing() {
     let measurement = Measurement { step_n: 1.6, ..noisy(1.0) };
@@ -52,8 +52,8 @@ fn steps_as_large_as_the_noise_invent_nothing() {
     assert_eq!(found(&scene, 1..=60).false_alarms, 0);
 }
 
-/// A light block on a stiff cable rests for two or three samples and slips for two: no
-/// line shows the noise. Slips fall faster than the winch pulls.
+/// A light block on a stiff cable rests for two or three samples and slips for two, so no line
+/// shows the noise. The force falls faster in slips than the winch raises it.
 #[test]
 fn slips_are_found_where_the_block_hardly_rests() {
     for (weight_n, stiffness_n_per_m, winch_m_per_s, mu_s, mu) in [
@@ -76,7 +76,7 @@ fn slips_are_found_where_the_block_hardly_rests() {
     }
 }
 
-/// The stick line is bent from its start: no straight line tells the noise.
+/// A stick line that is bent from its start gives no straight part to estimate the noise.
 #[test]
 fn a_cable_that_sags_hides_no_slip() {
     let sag = Some(Sag { weight_n_per_m: 0.9, height_m: 0.3 });

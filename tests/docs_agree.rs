@@ -1,4 +1,4 @@
-//! What the README promises is what the code does.
+//! The README agrees with the code.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ fn manifest_value(manifest: &str, key: &str) -> String {
     line.split('"').nth(1).unwrap().to_owned()
 }
 
-/// Versions that a text names after the word Rust, as in "Rust 1.88".
+/// Versions after the word Rust in a text, as in "Rust 1.88".
 fn rust_versions(text: &str) -> Vec<&str> {
     text.split("Rust ")
         .skip(1)
@@ -32,13 +32,13 @@ fn commands_that_exist() {
     for command in ["cargo run --release", "cargo xtask test"] {
         assert!(readme.contains(command), "the README does not say `{command}`");
     }
-    // `cargo run` without a name runs `floe`: the default member's default binary.
+    // `cargo run` without a name runs `floe`, the default binary of the default member.
     assert!(read("Cargo.toml").contains(r#"default-members = ["host-sim"]"#));
     assert_eq!(manifest_value(&read("host-sim/Cargo.toml"), "default-run"), "floe");
     assert!(read(".cargo/config.toml").contains("xtask"), "`cargo xtask` needs its alias");
 }
 
-/// Every `floe ...` that the README shows is a command: each has a file of its own.
+/// Every `floe ...` in the README is a command with a file of its own.
 #[test]
 fn subcommands_are_known() {
     let readme = read("README.md");
@@ -60,7 +60,7 @@ fn rate_and_schema() {
     assert!(readme.contains(schema), "the README does not name the schema {schema}");
 }
 
-/// The README counts the forms of `docs/logs.md` as its table does.
+/// The README gives the number of log formats in the table of `docs/logs.md`.
 #[test]
 fn forms_of_logs() {
     let page = read("docs/logs.md");
@@ -70,7 +70,7 @@ fn forms_of_logs() {
     assert!(read("README.md").contains(&shown), "the README does not say `{shown}`");
 }
 
-/// What the core's README shows is what its example runs.
+/// The code in the core's README is that of its example.
 #[test]
 fn the_core_readme_shows_its_example() {
     let readme = read("core/README.md");
@@ -87,8 +87,8 @@ fn rust_version() {
     assert!(named.iter().all(|named| *named == version), "README {named:?}, Cargo.toml {version}");
 }
 
-/// Every place that `docs/method.md` names, as in `fit.rs::Data::normal`: the file has such
-/// a function, or type, and the type before it.
+/// Every place named in `docs/method.md`, such as `fit.rs::Data::normal`, exists: the file has the
+/// function or type, and the type before it.
 #[test]
 fn places_in_the_code_exist() {
     let page = read("docs/method.md");
@@ -104,8 +104,8 @@ fn places_in_the_code_exist() {
     }
 }
 
-/// Does a file define a function, a type or functions of a type of this name? A type's functions
-/// may stand in another file than the type.
+/// Whether a file defines a function, a type or functions of a type of this name. The functions of
+/// a type may be in another file than the type.
 fn defines(code: &str, name: &str) -> bool {
     let ends = |rest: &str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
     ["fn ", "struct ", "enum ", "type ", "impl "].iter().any(|kind| {

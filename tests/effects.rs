@@ -1,4 +1,4 @@
-//! Looking for an effect costs nothing where there is none.
+//! Effects cost nothing in scenes that do not have them.
 
 use std::path::Path;
 
@@ -8,13 +8,12 @@ use floe_tests::score::{self, rms};
 use floe_tests::{both, feed, scenes};
 
 const RECORDS: u64 = 60;
-/// In so many first ones no answer may differ by more than [`MOST`], whatever the others do.
+/// Number of first records in which no answer may differ by more than [`MOST`], without exceptions.
 const FIRST: u64 = 6;
-/// Most that the answers of a linear scene may differ with and without looking for effects:
-/// root mean square in stated standard deviations, and relative difference of the median
-/// standard deviation.
+/// Largest difference between answers of a linear scene with and without an effect: root mean
+/// square in stated standard deviations, and relative difference of the median standard deviation.
 const MOST: f64 = 0.01;
-/// What misses this today, by how much at most, and why: the list shrinks.
+/// Scenes that exceed [`MOST`], their limit, and the cause. This list may only shrink.
 const NOT_YET: [(&str, f64, &str); 4] = [
     ("dff8-13", 0.10, "in four records of 60 a corner enters for a while that is none"),
     ("without corner", 0.10, "the same four"),
@@ -22,8 +21,8 @@ const NOT_YET: [(&str, f64, &str); 4] = [
     ("linear/snow", 0.06, "a corner enters for a while in one record of 60"),
 ];
 
-/// Differences of both coefficients in stated standard deviations, in the first records and in all, and
-/// the ratio of the median standard deviations.
+/// Differences of both coefficients in stated standard deviations, in the first records and in all;
+/// ratios of the median standard deviations; and number of events that only one of them has.
 fn differences(scene: &Scene, effects: Effects) -> ([[f64; 2]; 2], [f64; 2], usize) {
     let mut first = [0.0; 2];
     let (mut apart, mut stds, mut lost) =
@@ -51,8 +50,8 @@ fn differences(scene: &Scene, effects: Effects) -> ([[f64; 2]; 2], [f64; 2], usi
     ([first, apart.map(|them| rms(&them))], ratios, lost)
 }
 
-/// What is wrong with the answers of a scene with some effects, told by its name: differences from those
-/// with all of them that are too large, or none where [`NOT_YET`] has some.
+/// Error message for a scene with some effects: differences from all effects that are too large, or
+/// unexpectedly small for an entry of [`NOT_YET`].
 fn fault(name: &str, scene: &Scene, effects: Effects) -> Option<String> {
     let ([first, apart], ratios, lost) = differences(scene, effects);
     println!("{name}: rms {apart:.4?} stated std, median std {ratios:.4?}, {lost} events lost");
@@ -92,7 +91,8 @@ fn the_page_of_effects_has_every_one() {
     }
 }
 
-/// What the report says is found has numbers, but for levels, and nothing else has.
+/// Every effect that the report names as found has numbers (except levels), and no other effect
+/// has.
 #[test]
 fn what_is_found_has_numbers() {
     let names = ["creep", "sag_flop", "shortening", "breaking", "drift", "flop", "ripple", "all"];

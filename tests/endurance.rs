@@ -1,4 +1,4 @@
-//! The application for as long as one likes, and everything typed at it.
+//! The application over long times, and with arbitrary console input.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -19,7 +19,7 @@ use floe_tests::board::{Board, lines, with_board};
 use floe_tests::fuzz::Dice;
 use floe_tests::records::stick_slip;
 
-/// A card without end that checks what it is given and keeps the last sector.
+/// A card of unlimited size that checks its sectors and keeps the last one.
 #[derive(Clone, Default)]
 struct Checker(Rc<RefCell<Checked>>);
 
@@ -59,7 +59,7 @@ fn number(name: &str, otherwise: f64) -> f64 {
     std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(otherwise)
 }
 
-/// Most memory that this process ever had, kB.
+/// Largest memory use of this process so far, kB.
 fn high_water() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -68,7 +68,7 @@ fn high_water() -> u64 {
 
 const BEGIN: &[u8] = b"set weight 630\nset span 5000\nlive off\nstart\n";
 
-/// `FLOE_DAYS` days, else an hour.
+/// Runs for `FLOE_DAYS` days, else an hour.
 #[test]
 fn nothing_is_lost_however_long() {
     let days = number("FLOE_DAYS", 1.0 / 24.0);
@@ -101,7 +101,7 @@ fn nothing_is_lost_however_long() {
     assert!(events as f64 > 0.9 * ticks as f64 / 32.0);
 }
 
-/// The settings that the board says it has.
+/// The settings as the board reports them.
 fn settings<S: Store>(board: &mut Board<'_, '_, S>) -> Settings {
     let _ = board.said();
     board.type_in(b"\nstatus\n");
@@ -112,7 +112,7 @@ fn settings<S: Store>(board: &mut Board<'_, '_, S>) -> Settings {
     last.last().expect("its settings")
 }
 
-/// Random bytes while a test runs: no sample is lost, nothing is set.
+/// Random bytes during a test lose no sample and set nothing.
 #[test]
 fn noise_on_the_console_changes_no_test() {
     let bytes = number("FLOE_NOISE_BYTES", 1e6) as usize;
@@ -148,8 +148,8 @@ impl BridgeAdc for Still {
     }
 }
 
-/// A wire from the board's own line back to it: all that is said is typed. The tick goes on
-/// meanwhile.
+/// A wire that connects the board's output to its input, so that all output is typed; the tick
+/// continues meanwhile.
 #[derive(Clone)]
 struct Echo<'q>(Rc<RefCell<Wire<'q>>>);
 
@@ -160,11 +160,11 @@ struct Wire<'q> {
 }
 
 impl Wire<'_> {
-    /// Characters in a sampling period at 115 200 baud.
+    /// Characters per sampling period at 115 200 baud.
     const A_PERIOD: u32 = 720;
-    /// Characters after which it is cut: 20 s.
+    /// Number of characters after which the wire is cut: 20 s.
     const MOST: u32 = 320 * Self::A_PERIOD;
-    /// What the NUCLEO's line holds.
+    /// Room of the NUCLEO's input buffer, characters.
     const ROOM: usize = 128;
 
     fn say(&mut self, byte: u8) {
@@ -206,7 +206,7 @@ impl Write for Echo<'_> {
     }
 }
 
-/// Each answer is typed again and answered again.
+/// Each answer is typed as input and answered again.
 #[test]
 fn a_board_that_hears_itself_loses_no_sample() {
     let (shared, mut queue, mut pipeline) = (Shared::new(), SampleQueue::new(), None);
@@ -222,7 +222,7 @@ fn a_board_that_hears_itself_loses_no_sample() {
     assert_eq!((shared.overruns(), shared.deepest()), (0, 1));
 }
 
-/// A well-formed line that may set anything.
+/// A random well-formed command.
 fn command(dice: &mut Dice) -> String {
     let number = dice.below(2_000_000) as f32 / 1000.0 - 100.0;
     let what = *dice.pick(&["weight", "slope", "winch", "range", "span", "name", "nonsense"]);
@@ -238,7 +238,8 @@ fn command(dice: &mut Dice) -> String {
     }
 }
 
-/// Well-formed random lines: whatever is set is said, whatever was not said is not set.
+/// Random well-formed lines: every change of a setting is reported, and every reported change
+/// happens.
 #[test]
 fn no_setting_changes_without_being_said() {
     let count = number("FLOE_LINES", 1e4) as usize;
@@ -266,12 +267,12 @@ fn no_setting_changes_without_being_said() {
     });
     println!("{count} lines: {changed} changes, each said; {refused} refused; no sample lost");
     assert!(changed > count / 10 && refused > count / 10);
-    // The card has what was said last.
+    // The last sector on the card is a readable record.
     let last = store.0.borrow().last.map(|sector| Record::decode(&sector).expect("a record"));
     assert!(last.is_some());
 }
 
-/// `FLOE_DAMAGES` damages of sectors of every kind: none is taken for a record.
+/// `FLOE_DAMAGES` damaged sectors of several kinds: none is accepted as a record.
 #[test]
 fn no_damage_is_taken_for_a_record() {
     let count = number("FLOE_DAMAGES", 1e5) as usize;
@@ -286,14 +287,14 @@ fn no_damage_is_taken_for_a_record() {
     for number in 0..count {
         let from = dice.below(512);
         match number % 3 {
-            // Bits that flip anywhere.
+            // Flipped bits at random positions.
             0 => (0..=dice.below(20)).for_each(|_| other[dice.below(512)] ^= 1 << dice.below(8)),
             // A burst of noise.
             1 => other[from..]
                 .iter_mut()
                 .take(1 + dice.below(64))
                 .for_each(|b| *b = dice.bits() as u8),
-            // A torn write: the end is erased, or an older one's.
+            // A torn write: the end is zero or erased.
             _ => other[from..].fill(*dice.pick(&[0, 0xFF])),
         }
         if other != sector {

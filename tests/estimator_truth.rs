@@ -1,12 +1,11 @@
-//! What the estimate is off by, against tests whose truth is known.
+//! Errors of the estimates for tests with a known truth.
 //!
-//! Two sources that share no code: Newton's law in small steps (`brute`), and the
-//! project's simulator. Limits on bias, spread, the stated standard deviation and the
-//! share of events that are read, first events too; the largest and the smallest force
-//! beside them.
+//! The tests come from two sources without common code: Newton's law in small steps (`brute`) and
+//! the simulator. Limits apply to bias, spread, stated standard deviation and the fraction of
+//! events with coefficients, including first events; largest and smallest force are compared too.
 //!
-//! The unit of the spread is the Cramér-Rao bound of an event taken alone, all five
-//! unknowns free. What the events share makes less of it possible.
+//! The unit of the spread is the Cramér-Rao bound of a single event with all five unknowns free.
+//! Smaller spreads are possible, because the events share parameters.
 
 use floe::sim::{bound, simulate};
 use floe_core::num::math;
@@ -15,10 +14,10 @@ use floe_tests::brute::{self, Pull};
 use floe_tests::score::rms;
 use floe_tests::{feed, scenes};
 
-/// Fewest events of a scene and a source.
+/// Smallest number of events per scene and source.
 const EVENTS: usize = 6000;
 
-/// One true event, and the samples it belongs to.
+/// A true event and the samples that belong to it.
 struct True {
     onset_s: f64,
     mu_s: f64,
@@ -41,7 +40,7 @@ enum Source {
 fn test(source: Source, pull: &Pull, seed: u64) -> Test {
     match source {
         Source::Brute => {
-            // Every seed starts at another moment between two samples.
+            // Every seed has another sampling phase.
             let delay_s = seed as f64 * 0.618 / pull.rate_hz % (1.0 / pull.rate_hz);
             let record = brute::run(&Pull { delay_s, ..*pull }, seed);
             let truth = |e: &brute::Truth| True { onset_s: e.onset_s, mu_s: e.mu_s, mu: e.mu };
@@ -61,20 +60,20 @@ fn test(source: Source, pull: &Pull, seed: u64) -> Test {
 /// Errors of one coefficient.
 #[derive(Default)]
 struct Errors {
-    /// Relative to the truth.
+    /// Relative errors.
     relative: Vec<f64>,
-    /// In stated standard deviations.
+    /// Errors in stated standard deviations.
     normalised: Vec<f64>,
-    /// Of the largest or smallest force over the weight, relative.
+    /// Relative errors of the coefficient from the largest or smallest force.
     extreme: Vec<f64>,
-    /// Mean of each test. The events of a test share what was learnt of the loading
-    /// rate and omega, so their errors are not independent; those of tests are.
+    /// Mean error of each test. Events of a test share loading rate and omega, so their errors are
+    /// not independent; those of different tests are.
     tests: Vec<f64>,
 }
 
 impl Errors {
-    /// An event that says itself that the samples hardly resolve it has a wide interval:
-    /// it is judged by that, not by its error.
+    /// An event marked as hardly resolved has a wide interval: only the interval is judged, not the
+    /// error.
     fn add(&mut self, got: floe_core::Coefficient, truth: f64, extreme: f64, resolved: bool) {
         let error = f64::from(got.value) - truth;
         self.normalised.push(error / f64::from(got.std));
@@ -85,21 +84,21 @@ impl Errors {
         self.extreme.push(extreme / truth - 1.0);
     }
 
-    /// Ends a test whose first error is this one.
+    /// Ends a test whose first error has index `first`.
     fn end_test(&mut self, first: usize) {
         if first < self.relative.len() {
             self.tests.push(mean(&self.relative[first..]));
         }
     }
 
-    /// Mean of the tests and its standard error.
+    /// Mean error over the tests, and its standard error.
     fn bias(&self) -> (f64, f64) {
         let bias = mean(&self.tests);
         let from_bias: Vec<f64> = self.tests.iter().map(|test| test - bias).collect();
         (bias, rms(&from_bias) / (self.tests.len() as f64 - 1.0).sqrt())
     }
 
-    /// Share of the errors within 1.96 stated standard deviations.
+    /// Fraction of errors within 1.96 stated standard deviations.
     fn coverage(&self) -> f64 {
         let inside = self.normalised.iter().filter(|z| z.abs() < 1.96).count();
         inside as f64 / self.normalised.len() as f64
@@ -114,10 +113,10 @@ fn mean(values: &[f64]) -> f64 {
 struct Score {
     mu_s: Errors,
     mu: Errors,
-    /// True events that should be there, and those that are.
+    /// Number of true events, and number of those found.
     due: usize,
     matched: usize,
-    /// Found events that are none.
+    /// Number of found events that are not true.
     invented: usize,
     unresolved: usize,
 }
@@ -131,7 +130,7 @@ impl Score {
         let is_true = |e: &&Event| test.events.iter().any(|t| near(e, t));
         self.invented += found.iter().filter(|e| !is_true(e)).count();
         let first = self.mu_s.relative.len();
-        // The last one may lack its end.
+        // The last event may be incomplete.
         let judged = test.events.len().saturating_sub(1);
         for (i, truth) in test.events.iter().enumerate().take(judged) {
             self.due += 1;
@@ -177,8 +176,8 @@ fn score(source: Source, pull: &Pull) -> Score {
     score
 }
 
-/// Median bounds of the two coefficients, relative. A slip without a sample inside
-/// has none, or almost none.
+/// Median relative bounds of both coefficients. A slip without a sample has no bound, or an
+/// extremely large one.
 fn bounds(pull: &Pull) -> [f64; 2] {
     let scene = scenes::scene(pull);
     let mut events = simulate(&scene, 1).unwrap().events;
@@ -245,7 +244,7 @@ fn dff8_13_is_read_to_a_third_of_a_percent() {
     for score in check("dff8-13", &pull, [1.0, 1.3]) {
         assert!(rms(&score.mu_s.relative) < 0.003);
         assert!(rms(&score.mu.relative) < 0.003);
-        // What the paper's own reading of extremes would give: 1 % and 58 %.
+        // Coefficients from the extreme forces, as in the paper, would have errors of 1 % and 58 %.
         assert!((0.002..0.02).contains(&rms(&score.mu_s.extreme)));
         assert!((0.55..0.61).contains(&rms(&score.mu.extreme)));
     }
@@ -280,8 +279,8 @@ fn light_block() {
     check("light", &Pull { duration_s: 120.0, ..scenes::light() }, [1.0, 1.3]);
 }
 
-/// The mean of a test and its standard error, against the truth: what a reader of a
-/// report relies on.
+/// Checks the mean of a test and its standard error against the truth, since readers of a report
+/// rely on them.
 fn check_means(name: &str, pull: &Pull) {
     const TESTS: u64 = 400;
     let config = scenes::config(pull);
@@ -321,8 +320,8 @@ fn means_of_whole_tests() {
     }
 }
 
-/// A quiet cell costs no events: the less noise, the better every one is read, down
-/// to the rounding of single precision.
+/// A quiet cell loses no events: with less noise every event is more accurate, down to the rounding
+/// of single precision.
 #[test]
 fn quiet_cells_lose_no_events() {
     for (noise_n, limit) in [(0.1, 1e-4), (0.01, 2e-5), (1e-3, 5e-6), (0.0, 5e-6)] {

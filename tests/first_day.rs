@@ -1,8 +1,8 @@
-//! A first day on the ice, typed into the console of the whole logger: clock, self-test, zero,
-//! weight, notes, a pull of 60 s, the zero again; then the card at the hut. Whatever shows the
-//! result shows the same one, to the last digit.
+//! A first day on the ice, typed on the console of the whole logger: clock, self-test, zero,
+//! weight, notes, a pull of 60 s, the zero again; then evaluation of the card. All places that show
+//! the result show the same digits.
 //!
-//! What comes is `docs/first-day.txt`; `FLOE_GOLDEN=write` writes it anew, to be read again.
+//! The transcript is `docs/first-day.txt`; `FLOE_GOLDEN=write` writes it again, to be reviewed.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -29,7 +29,7 @@ use floe_tests::day::{DAY, LOOKED, MOVED_N, NOISE, SPAN, codes, day};
 use floe_tests::scripted::{Card, Session, run};
 use floe_tests::shown;
 
-/// What was typed and what was said, without samples and first answers.
+/// Input and output of the console, without samples and first answers.
 fn transcript(board: &Session) -> String {
     let (mut text, mut said, mut left_out) = (String::new(), 0, 0);
     let mut show = |piece: &str, text: &mut String| {
@@ -51,7 +51,7 @@ fn transcript(board: &Session) -> String {
     text + &format!("({left_out} lines S and A are left out)\n")
 }
 
-/// What is seen of the day elsewhere: display, `floe live`, the card at the hut.
+/// Other output of the day: display, `floe live`, evaluation of the card.
 fn seen(board: &Session, card: &Card, folder: &str) -> String {
     let mut text = "\nThe display before `stop`:\n".to_string();
     for row in rows(&board.views[LOOKED as usize]) {
@@ -77,7 +77,7 @@ fn seen(board: &Session, card: &Card, folder: &str) -> String {
     text + &Summary::new(&records, events, None).text()
 }
 
-/// What `floe recover` writes, as `floe campaign` finds it.
+/// Files written by `floe recover`, as entries of `floe campaign`.
 fn recovered(tests: &[card::Test], folder: &str) -> Vec<Entry> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
     let _ = fs::remove_dir_all(&folder);
@@ -90,7 +90,7 @@ fn recovered(tests: &[card::Test], folder: &str) -> Vec<Entry> {
     recorded::logs(&folder).expect("logs").entries
 }
 
-/// What the console had said when the display was looked at.
+/// Console output up to the time of the display's picture.
 fn before_stop(board: &Session) -> &str {
     let typed = board.typed.iter().find(|(_, text)| text == "stop\n");
     &board.screen[..typed.expect("typed").0]
@@ -143,7 +143,7 @@ fn what_was_measured_before_the_pull_is_right() {
     let board = one_day(&Card::default());
     let settings = last_settings(&board);
     let (config, std_n) = (settings.config, settings.stds.weight_n.expect("a std"));
-    // The span is exact here, so the weight is.
+    // With an exact span the weight is exact.
     let span = 429.5;
     assert!((config.calibration.counts_per_n - span).abs() < 1e-3, "{config:?}");
     let error_n = f64::from(config.weight_n) - 630.0;
@@ -154,7 +154,7 @@ fn what_was_measured_before_the_pull_is_right() {
     assert!(board.says("load ") && board.says("% of the range"), "{}", board.screen);
 }
 
-/// Console, display and card, and the replay of that card, to the last bit.
+/// Console, display, card and the replay of the card agree to the last bit.
 #[test]
 fn board_display_and_card_agree() {
     let card = Card::default();
@@ -162,7 +162,7 @@ fn board_display_and_card_agree() {
     let report = report(&board);
     assert!(report.events > 25, "{report:?}");
     let shown = board.views.iter().rev().find_map(|view| view.report).expect("shown");
-    // The display was drawn before the last event was finished.
+    // The display was drawn before the last event was complete.
     assert!(shown.events + 1 >= report.events && shown.noise_n.is_some(), "{shown:?}");
 
     let result = replayed(&card);
@@ -170,12 +170,12 @@ fn board_display_and_card_agree() {
     assert_eq!(result.estimate.mu_s.mean, mean(report.mu_s));
     assert_eq!(result.estimate.mu.mean, mean(report.mu));
     assert_eq!(result.events.len(), board.events().len());
-    // The error budget too: of what the board says, and of the replay.
+    // The error budgets from the board's report and from the replay agree too.
     let said = lines(&last_settings(&board).core_config(), &report);
     assert!(said.len() > 5 && said == result.budget, "{said:?}\n{:?}", result.budget);
     let winch = said.iter().find(|line| line.input == "winch_m_per_s").expect("the winch");
     assert!((winch.std.expect("a std") - 0.0002).abs() < 1e-9, "{winch:?}");
-    // To the millisecond of the crystal; `Y` says the sample before.
+    // Accuracy of a millisecond, from the crystal; `Y` gives the time of the previous sample.
     let onset = board.events()[0].onset;
     let first =
         |line| if let Line::Sync { index: 0, unix_ms } = line { Some(unix_ms) } else { None };
@@ -190,7 +190,7 @@ fn board_display_and_card_agree() {
     let after_n = test.settings.zero.after_n.expect("a zero after the test");
     assert!((f64::from(after_n) - MOVED_N).abs() < 0.05, "{after_n}");
     assert!(test.lines.contains("N,wind from the side*"), "{}", test.lines);
-    // Once a minute how cold it is, and no sample is lost for it.
+    // Temperature is reported once a minute, without loss of a sample.
     assert!(test.lines.lines().any(|line| line.starts_with("K,0,-12,3.3*")), "{}", test.lines);
     assert_eq!((test.missing(), test.samples.len()), (0, 960));
     let at = |line| if let Line::Sync { unix_ms, .. } = line { Some(unix_ms) } else { None };
@@ -201,7 +201,7 @@ fn board_display_and_card_agree() {
     assert_eq!(times.first(), Some(&start_ms));
 }
 
-/// To the last digit that each of them shows.
+/// All displays of the result agree to the last digit shown.
 #[test]
 fn what_people_see_is_the_same_everywhere() {
     let card = Card::default();
@@ -228,7 +228,7 @@ fn what_people_see_is_the_same_everywhere() {
     assert!(live.contains(&event), "{event}: {live}");
 }
 
-/// What `recover` writes is what `campaign` reads, beside a log that is none.
+/// `campaign` reads the files of `recover`, next to a file that is not a log.
 #[test]
 fn a_campaign_of_the_recovered_card() {
     let card = Card::default();
@@ -248,7 +248,8 @@ fn a_campaign_of_the_recovered_card() {
     let supply_v = record.supply_v.expect("measured");
     assert!((supply_v - 3.3).abs() < 0.01, "{supply_v}");
     assert!(record.start_time.expect("a date").starts_with("2027-03-02T10:16:"));
-    // The zero that moved is taken off, half of it on the average: the board did not know yet.
+    // The campaign subtracts the shift of the zero, half of it on average; the board did not know
+    // it.
     let shown = f64::from(report(&board).mu_s.expect("a mean").mean);
     let moved = shown - record.mu_s.mean.expect("a mean");
     let half = 0.5 * MOVED_N / 630.0;

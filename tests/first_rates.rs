@@ -1,5 +1,6 @@
-//! A winch that comes up to speed, or a cable that tightens, near the first slip and not in it: no event
-//! before tells the rate, and the lines end some samples away from the slip.
+//! A change of the loading rate near the first slip but outside it, by a winch that speeds up or a
+//! cable that tightens. No earlier event gives the rate, and the lines end some samples away from
+//! the slip.
 //!
 //! `cargo test -p floe-tests --test first_rates -- --nocapture` prints the figures.
 
@@ -11,7 +12,7 @@ use floe_tests::score::{self, Tried, run};
 
 const SEEDS: u64 = 12;
 
-/// The base scene whose rate changes by a factor, so many seconds after its first onset.
+/// The base scene with a rate that changes by `factor`, `after_s` seconds after its first onset.
 fn changed(seed: u64, factor: f64, after_s: f64) -> Scene {
     let scene = Scene { duration_s: 20.0, ..stored("honesty/base") };
     let onset_s = run(&scene, seed).truths[0].onset_s;
@@ -20,7 +21,8 @@ fn changed(seed: u64, factor: f64, after_s: f64) -> Scene {
     Scene { winch_profile, ..scene }
 }
 
-/// Errors of both coefficients of the first event, combined standard deviations; none if it is refused.
+/// Errors of both coefficients of the first event, in combined standard deviations; `None` if
+/// refused.
 fn off(tried: &Tried) -> Option<[f64; 2]> {
     let &(truth, found) = tried.pairs.iter().find(|(truth, _)| *truth == 0)?;
     let (truth, Event { mu_s, mu, .. }) = (&tried.truths[truth], tried.found[found]);
@@ -45,7 +47,7 @@ fn the_first_event_knows_that_its_rate_changed() {
     }
 }
 
-/// A steady winch is told from one that is not: it makes no event as wide.
+/// With a steady winch the intervals are much narrower than with a changing one.
 #[test]
 fn a_steady_winch_costs_nothing() {
     let std = |scene: &dyn Fn(u64) -> Scene| {

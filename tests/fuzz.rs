@@ -1,5 +1,5 @@
-//! Every parser, and `step`, under fire. Two seconds each; `FLOE_FUZZ_S=600` sets the
-//! time, `FLOE_FUZZ_CASE=N` runs one case again.
+//! Fuzz tests of every parser and of `step`, two seconds each. `FLOE_FUZZ_S=600` sets the time,
+//! `FLOE_FUZZ_CASE=N` runs one case again.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -122,7 +122,7 @@ fn log_of_a_card() -> Vec<u8> {
     bytes(&records)
 }
 
-/// With right checksums, else nothing would get beyond them.
+/// Cards with right checksums, so that cases pass the check of the checksum.
 #[test]
 fn card() {
     let log = log_of_a_card();
@@ -186,7 +186,7 @@ fn console() {
     });
 }
 
-/// With right checksums.
+/// Live lines with right checksums.
 #[test]
 fn live_line() {
     let seeds = [
@@ -235,7 +235,7 @@ fn scene() {
     });
 }
 
-/// The table of a campaign.
+/// Tables of a campaign.
 #[test]
 fn manifest() {
     let seed = b"# a comment\nfile,array_id,column,unit,weight_n,mass_kg,slope_deg,winch_m_per_s,\
@@ -254,7 +254,7 @@ fn manifest() {
     });
 }
 
-/// A serial port that answers anything.
+/// A serial port with random behaviour.
 struct Noise<'a>(&'a mut Dice);
 
 impl ErrorType for Noise<'_> {
@@ -316,7 +316,7 @@ fn reading(dice: &mut Dice, force_n: f32) -> Reading {
     }
 }
 
-/// Stick and slip of any size at any rate, with anything in between.
+/// Stick and slip of arbitrary size at arbitrary rates, with arbitrary disturbances.
 #[test]
 fn step() {
     run("step", |dice| {

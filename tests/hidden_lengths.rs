@@ -1,6 +1,6 @@
-//! Slips whose samples hardly show how long they took: shorter than two samples, or ended on a slack
-//! cable. Where the speed of the winch is known, it and the weight tell the swing, within what such
-//! speeds are off.
+//! Slips whose duration the samples hardly show: shorter than two samples, or ended by a slack
+//! cable. If the winch's speed is known, the duration follows from speed and weight, within the
+//! usual error of such speeds.
 
 use floe_core::Config;
 use floe_tests::both;
@@ -10,7 +10,8 @@ use floe_tests::score::{Errors, Record, Score};
 const RECORDS: u64 = 8;
 const SCENES: [&str; 3] = ["hard/slack", "hard/unresolved", "honesty/short_slips"];
 
-/// Errors of `mu_s` and `mu` where the core is told so much of the winch's speed.
+/// Errors of `mu_s` and `mu` if the core is given `of_winch` times the winch's true speed, or no
+/// speed.
 fn read(name: &str, of_winch: Option<f32>) -> [Errors; 2] {
     let scene = stored(name);
     let config = both::config(&scene);

@@ -1,9 +1,9 @@
-//! Never wrong and sure: every class of trouble in `host-sim/scenes/honesty`, held to its
-//! aims.
+//! Checks that wrong answers are never stated as certain: every class of trouble in
+//! `host-sim/scenes/honesty` with its aims.
 //!
-//! `cargo test -p floe-tests --test honesty -- --nocapture` prints the table;
-//! `FLOE_TABLE=write` writes it into `docs/honesty.md`. Figures that do not reach their
-//! aims are in `tests/golden/honesty-not-yet.csv`, each with the reason.
+//! `cargo test -p floe-tests --test honesty -- --nocapture` prints the table; `FLOE_TABLE=write`
+//! writes it to `docs/honesty.md`. Figures that miss their aims are listed with the reason in
+//! `tests/golden/honesty-not-yet.csv`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use floe_tests::classes::{self, CLASSES};
 use floe_tests::honesty::{Class, Intervals, Kind};
 use floe_tests::parallel;
 
-/// Records of a class.
+/// Number of records per class.
 const SEEDS: u64 = 12;
 
 struct Row {
@@ -29,12 +29,12 @@ fn row(&(name, kind): &(&'static str, Kind)) -> Row {
     Row { name, kind, about, class: Class::of(&scene, kind, seeds) }
 }
 
-/// All rows, on all processors.
+/// All rows, computed on all processors.
 fn rows() -> Vec<Row> {
     parallel::each(&CLASSES, row)
 }
 
-/// A figure of both coefficients.
+/// A figure for both coefficients, as text.
 fn both(intervals: &[Intervals; 2], of: fn(&Intervals) -> f64) -> String {
     let figure = |i: &Intervals| {
         if i.count() == 0 {
@@ -140,7 +140,7 @@ fn every_class_keeps_its_aims_or_is_known_to_miss_them() {
     assert!(whole && CLASSES.iter().all(|c| has(c.0)), "FLOE_TABLE=write");
 }
 
-/// The coverages outside their aim that chance may have put there, as a section of the page.
+/// Section of the page with the coverages outside their aim that chance explains.
 fn within_chance(rows: &[Row]) -> String {
     let judged = rows.iter().filter(|row| row.kind.is_judged());
     let found = judged.flat_map(|row| classes::within_chance(row.name, &row.class));

@@ -1,7 +1,7 @@
-//! How near the newest event comes to the joint bound of all events so far.
+//! Error of the newest event relative to the joint Cramér-Rao bound of all events so far.
 //!
-//! `cargo test -p floe-tests --test joint_bound -- --nocapture` prints the table that
-//! `docs/method.md` shows. What does not reach its aim yet is in
+//! `cargo test -p floe-tests --test joint_bound -- --nocapture` prints the table shown in
+//! `docs/method.md`. Figures that miss their aims are listed in
 //! `tests/golden/joint-bound-not-yet.csv`.
 
 use std::fs;
@@ -15,20 +15,19 @@ use floe_tests::aims::{self, Check};
 use floe_tests::scenes;
 use floe_tests::score::{rms, run};
 
-/// Records of a scene, and events of each: room for one that is not judged.
+/// Records per scene, and events per record, of which some are not judged.
 const RECORDS: u64 = 800;
 const EVENTS: usize = 52;
-/// Events, from 1, that are looked at.
+/// Numbers of the judged events, from 1.
 const NUMBERS: [usize; 3] = [3, 10, 50];
-/// Errors less than this many bounds: then the bound is none.
+/// Smallest plausible error in bounds; a smaller one shows that the bound is wrong.
 const LEAST: f64 = 0.8;
-/// Three standard errors of the difference of two root mean squares over the records,
-/// relative.
+/// Three relative standard errors of the difference of two root mean squares over the records.
 const SCATTER: f64 = 0.11;
 
 const SCENES: [&str; 5] = ["dff8-13", "linear/heavy", "linear/fast", "linear/snow", "linear/light"];
 
-/// Long enough for the events.
+/// A stored scene with a duration that suffices for the events.
 fn scene(name: &str) -> Scene {
     let mut scene = scenes::stored(name);
     let first = &run(&scene, 1).truths[1];
@@ -36,7 +35,7 @@ fn scene(name: &str) -> Scene {
     scene
 }
 
-/// Joint bounds of the events of a record.
+/// Joint bounds of the events in a record.
 fn bounds(scene: &Scene, events: &[TrueEvent]) -> Vec<Option<ForceBound>> {
     let mut joint = Joint::default();
     let bound = |(i, event): (usize, &TrueEvent)| {
@@ -50,8 +49,8 @@ fn bounds(scene: &Scene, events: &[TrueEvent]) -> Vec<Option<ForceBound>> {
     events.iter().enumerate().map(bound).collect()
 }
 
-/// Errors of `mu_s` and `mu` of the events of one number, in joint bounds. Events that say
-/// themselves that the samples hardly resolve them are only counted.
+/// Errors of `mu_s` and `mu` of the events of one number, in joint bounds. Events marked as hardly
+/// resolved are only counted.
 #[derive(Default)]
 struct Errors {
     joint: [Vec<f64>; 2],
@@ -71,7 +70,7 @@ impl Errors {
         self.joint[1].push(error(mu.value, truth.mu, bound.dynamic_n));
     }
 
-    /// The aim is the bound, and three standard errors of a root mean square.
+    /// Checks with the aim: the bound plus three standard errors of a root mean square.
     fn checks(&self, scene: &str, number: usize) -> [Check; 2] {
         let check = |(coefficient, off): (&str, &Vec<f64>)| {
             let chance = 3.0 / (2.0 * off.len() as f64).sqrt();
@@ -102,7 +101,7 @@ fn errors(scene: &Scene) -> [Errors; NUMBERS.len()] {
     errors
 }
 
-/// The figures that the page has for a scene.
+/// The figures of a scene on the page.
 fn told(name: &str) -> Vec<f64> {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/method.md");
     let page = fs::read_to_string(page).unwrap();

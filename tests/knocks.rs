@@ -1,6 +1,6 @@
-//! What is no part of a test, and far larger than it: a knock, a converter that overflows for some
-//! samples, noise before the pull, a block that was frozen in. It hides the slips of some seconds, and
-//! those after it are read all the same.
+//! Disturbances much larger than the test's forces: a knock, an overflow of the converter for some
+//! samples, noise before the pull, a block that was frozen in. They hide the slips of some seconds;
+//! later slips are still evaluated.
 
 use floe::sim::{Measurement, Scene, TrueEvent, simulate};
 use floe_core::{Config, Event};
@@ -11,7 +11,7 @@ use floe_tests::score;
 const HZ: f64 = 16.0;
 const DURATION_S: f64 = 240.0;
 
-/// DFF8-13 with something else in its forces, N; gives its slips after a time and the core's events.
+/// Slips of DFF8-13 and the core's events, with the forces, N, changed by `disturb`.
 fn disturbed(seed: u64, disturb: impl FnOnce(&mut [f64])) -> (Vec<TrueEvent>, Vec<Event>) {
     let measurement = Measurement { white_n: 2.0, ..Measurement::default() };
     let scene = Scene { duration_s: DURATION_S, measurement, ..Scene::default() };
@@ -22,7 +22,7 @@ fn disturbed(seed: u64, disturb: impl FnOnce(&mut [f64])) -> (Vec<TrueEvent>, Ve
     (simulation.events, feed::replay(&config, feed::in_a_row(&forces)).events)
 }
 
-/// Slips after a time that are not read, or that are five standard deviations off.
+/// Number of slips after a time without coefficients, or with an error of five standard deviations.
 fn missed(truths: &[TrueEvent], found: &[Event], from_s: f64) -> usize {
     let onset_s = |event: &Event| (event.onset.index as f64 + f64::from(event.onset.fraction)) / HZ;
     let is_read = |truth: &TrueEvent| {
@@ -77,7 +77,7 @@ fn noise_at_first_hides_no_slip_of_the_second_half() {
     }
 }
 
-/// The first slip falls by up to seven times as much as all others.
+/// The first slip falls by up to seven times as much as the others.
 #[test]
 fn slips_after_a_block_has_broken_loose_are_found() {
     for static_n in [1200.0, 1500.0, 2500.0, 4000.0] {
@@ -96,7 +96,8 @@ fn slips_after_a_block_has_broken_loose_are_found() {
     }
 }
 
-/// Two falls of one disturbance, with no rest between them, once told another weight of the block.
+/// Two falls in one disturbance, without a rest between them, must not be taken for a change of
+/// weight.
 #[test]
 fn a_small_knock_changes_no_weight() {
     let file = include_str!("../host-sim/scenes/honesty/short_sticks.toml");

@@ -1,6 +1,6 @@
-//! The live answer: what a person beside the winch reads before the event is complete, and what
-//! the events tell of the pull: loading rate, omega, stiffness, recurrence. What does not reach its
-//! aim yet is in `tests/golden/live-answer-not-yet.csv`.
+//! The live answer, which a user at the winch sees before the event is complete, and the parameters
+//! of the pull from the events: loading rate, omega, stiffness, recurrence. Figures that miss their
+//! aims are listed in `tests/golden/live-answer-not-yet.csv`.
 
 use floe::bench::scenes::at_phase;
 use floe::sim::{Scene, Simulation, simulate};
@@ -11,9 +11,9 @@ use floe_tests::score::{Errors, rms};
 use floe_tests::{both, feed, parallel, scenes};
 
 const SEEDS: u64 = 8;
-/// Least share of the true events that get a first answer.
+/// Smallest fraction of true events with a first answer.
 const ANSWERED: f64 = 0.95;
-/// Scenes with something that the model has to learn.
+/// Scenes with properties that the model must learn.
 const HARD: [&str; 22] = [
     "all",
     "aperture",
@@ -38,15 +38,15 @@ const HARD: [&str; 22] = [
     "uphill",
     "varying",
 ];
-/// Scenes in which the model holds.
+/// Scenes in which the linear model holds.
 const LINEAR: [&str; 5] = ["dff8-13", "linear/fast", "linear/heavy", "linear/light", "linear/snow"];
 
-/// A record of the scene, with another sampling phase for every seed.
+/// A record of a scene with a sampling phase that depends on the seed.
 fn record(scene: &Scene, seed: u64) -> Simulation {
     simulate(&at_phase(scene, seed), seed).expect("a record")
 }
 
-/// Every first answer of a record with the time, s, at which it was given; the result.
+/// All first answers of a record with their times, s, and the report.
 fn live(config: &Config, simulation: &Simulation) -> (Vec<(f64, Provisional)>, Report) {
     let mut pipeline = Pipeline::new(config).expect("a configuration");
     let mut answers = Vec::new();
@@ -64,12 +64,12 @@ fn assert_finite(got: Coefficient) {
     assert!(got.value.is_finite() && std.is_finite() && std > 0.0, "{got:?}");
 }
 
-/// What the first answers of a scene are worth.
+/// Errors of the first answers in a scene.
 #[derive(Default)]
 struct Live {
     mu_s: Errors,
     mu: Errors,
-    /// True events, and those that got an answer.
+    /// Number of true events, and of those with a first answer.
     events: usize,
     answered: usize,
 }
@@ -81,7 +81,7 @@ impl Live {
         all
     }
 
-    /// Its figures beside their aims.
+    /// The figures with their aims.
     fn checks(&self, name: &str) -> Vec<Check> {
         let Self { mu_s, mu, events, answered } = self;
         let share = *answered as f64 / *events as f64;
@@ -105,7 +105,7 @@ impl Live {
         self.events += simulation.events.len();
         let mut last = None;
         for (time_s, answer) in live(&both::config(scene), &simulation).0 {
-            // Of the last slip that has begun.
+            // The answer belongs to the last slip that has begun.
             let begun = simulation.events.iter().rposition(|event| event.onset_s < time_s);
             let Some(begun) = begun else { continue };
             let truth = &simulation.events[begun];

@@ -1,5 +1,5 @@
-//! The whole logger on a PC: converter model, sampler, application, card, and the
-//! card's tests back again.
+//! The whole logger on a PC: converter model, sampler, application and card, and reading the card's
+//! tests.
 
 use std::io::Cursor;
 
@@ -62,11 +62,11 @@ fn the_card_gives_the_test_back() {
     assert_eq!((test.samples.len(), test.missing(), test.overruns), (960, 0, 0));
     assert_eq!(test.stem, "test-0001-T-1");
     assert_eq!(test.settings.config, config());
-    // The words are on the card too, every event among them.
+    // The card also has the lines, including every event.
     let events = test.lines.lines().filter(|line| line.starts_with("E,")).count();
     assert_eq!(events, board.events().len());
 
-    // `floe replay` reads the file itself, and its CSV, to the board's events.
+    // `floe replay` reads the file and its CSV with the same events as the board's.
     for text in [bytes, card::csv(test).into_bytes()] {
         let options = if text.starts_with(b"FLOE") {
             LogOptions::default()
@@ -89,19 +89,19 @@ fn a_pulled_battery_costs_at_most_half_a_second() {
     let card = Card::default();
     one_test(&card);
     let bytes = card.bytes.borrow().clone();
-    // Sectors of settings and words hold none.
+    // Sectors with settings or text only contain no samples.
     let in_sector = |sector: &[u8]| {
         let record = Record::decode(sector.try_into().expect("whole")).expect("a record");
         record.samples.len()
     };
     let held: Vec<usize> = bytes.chunks_exact(SECTOR_LEN).map(in_sector).collect();
     for cut in (0..bytes.len()).step_by(123) {
-        // Nothing is read before the first sector is whole.
+        // No test is read before the first sector is complete.
         let read = card::tests(Cursor::new(&bytes[..cut])).map_or(0, |(tests, found)| {
             assert_eq!(found.damaged, 0);
             tests.iter().map(|test| test.samples.len()).sum()
         });
-        // Those of the sector that is being written have been taken too.
+        // Samples for the sector in progress have been taken too.
         let taken: usize = held[..cut.div_ceil(SECTOR_LEN)].iter().sum();
         assert!(read + SECTOR_SAMPLES >= taken, "{read} of {taken} samples, cut at byte {cut}");
     }
@@ -161,7 +161,7 @@ fn mistakes_are_told() {
     }
 }
 
-/// Each of these was taken, and the sectors of the next test could not be read.
+/// Each of these commands was once accepted, and the sectors of the next test were unreadable.
 #[test]
 fn no_standard_deviation_is_below_zero_whether_the_core_is_told_it_or_not() {
     let script = [
@@ -178,7 +178,7 @@ fn no_standard_deviation_is_below_zero_whether_the_core_is_told_it_or_not() {
     assert_eq!((tests.len(), found.damaged), (1, 0));
 }
 
-/// The weight was in codes of that span.
+/// The weight was measured with the previous span.
 #[test]
 fn another_span_does_not_cancel_in_a_weight() {
     let script =
@@ -228,7 +228,8 @@ fn tare_and_calibration_survive_the_power() {
     assert_eq!(config.weight_n.to_bits(), 300.0_f32.to_bits());
 }
 
-/// Without effects the board's events are those of a core without, and its card says so.
+/// Without effects the board's events equal those of a core without, and the card records the
+/// setting.
 #[test]
 fn what_the_core_looks_for_can_be_set() {
     let card = Card::default();

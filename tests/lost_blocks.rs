@@ -1,4 +1,4 @@
-//! Samples that are lost for seconds: a slip whose stick lines were seen is read all the same.
+//! Gaps of seconds: a slip next to a gap has coefficients if its stick lines were recorded.
 
 use floe::sim::{Scene, TrueEvent, simulate};
 use floe_core::Config;
@@ -6,11 +6,11 @@ use floe_tests::feed;
 use floe_tests::score;
 
 const HZ: f64 = 16.0;
-/// Samples of the rest after a slip, up to the gap, and those of the gap.
+/// Samples between a slip and the gap, and samples in the gap.
 const REST: f64 = 9.0;
 const LOST: f64 = 32.0;
 
-/// After every fourth slip a gap of two seconds, which hides the next one.
+/// A gap of two seconds after every fourth slip hides the next one.
 #[test]
 fn a_slip_right_before_a_gap_is_read() {
     let scene = Scene { duration_s: 240.0, ..Scene::default() };

@@ -1,9 +1,9 @@
-//! The table in `docs/maths.md` holds, and what the core uses is good enough.
+//! The table in `docs/maths.md` is right, and the core's functions are accurate enough.
 
 use floe_core::num::math;
 use floe_tests::maths::{Error, FUNCTIONS, Function, bearable, columns, is_used};
 
-/// Distance of `f32` numbers just above one.
+/// Distance between neighbouring `f32` numbers just above one.
 const EPSILON: f64 = f32::EPSILON as f64;
 
 fn function(name: &str, library: &str) -> Function {
@@ -37,12 +37,12 @@ fn what_is_used_is_good_enough() {
 
 #[test]
 fn rounded_to_the_neighbour_or_the_next() {
-    // Half a distance at most, and the root always right.
+    // Correct rounding: half a distance at most, for the root always.
     assert!(Error::of(&function("sqrt", "floe")).size <= 0.5 * EPSILON);
     for name in ["sin", "cos", "exp"] {
         assert!(Error::of(&function(name, "floe")).size <= EPSILON, "{name}");
     }
-    // Numbers up to π/2, π and 27.7.
+    // Largest results: π/2, π and 27.7.
     for (name, largest) in [("atan2", 1.57), ("acos", 3.15), ("ln", 27.7)] {
         let error = Error::of(&function(name, "floe"));
         assert!(error.size <= largest * EPSILON, "{name}: {error}");
@@ -72,7 +72,7 @@ fn angle_of_a_point() {
 fn outside_the_range() {
     assert!(math::sqrt(-1.0).is_nan());
     assert!(math::sqrt(0.0).to_bits() == 0 && math::exp(-1e9).to_bits() == 0);
-    // Limited, as rounding may leave an argument just outside.
+    // The argument is limited to 1, because rounding may leave it slightly above.
     for x in [1.0, 1.000_001, f32::MAX] {
         assert!(math::acos(x).abs() < 1e-9 && (math::acos(-x) - std::f32::consts::PI).abs() < 1e-6);
     }

@@ -1,5 +1,5 @@
-//! Records that begin in the middle of a pull: cut out of a longer one, or of a logger that was switched on
-//! late. Nothing quiet comes first, and the first sample may lie in a slip.
+//! Records that begin during a pull: cut from a longer record, or from a logger switched on late.
+//! There is no quiet start, and the first sample may be within a slip.
 
 use floe::sim::terms::Variation;
 use floe::sim::{Measurement, Scene, TrueEvent, simulate};
@@ -9,7 +9,7 @@ use floe_tests::feed;
 const HZ: f64 = 16.0;
 const CUTS: usize = 24;
 
-/// Blocks whose rests last 9 to 40 samples.
+/// Blocks with rests of 9 to 40 samples.
 fn scenes() -> [Scene; 4] {
     let measurement = Measurement { white_n: 2.0, ..Measurement::default() };
     let variation = Some(Variation { mu_s_fraction: 0.01, mu_fraction: 0.01 });
@@ -21,8 +21,8 @@ fn scenes() -> [Scene; 4] {
     [paper, ice, fast, slow]
 }
 
-/// Of the slips that lie in a part of a scene's record, but for the first, how many there are, how many are
-/// read, and how many of these are five standard deviations off.
+/// For the slips within a part of a record, without the first: number of slips, number with
+/// coefficients, and number with an error of five standard deviations.
 fn cut(
     scene: &Scene,
     forces_n: &[f64],
@@ -54,8 +54,8 @@ fn is_at(event: &Event, onset_s: f64) -> bool {
     (got_s - onset_s).abs() < 2.5 / HZ
 }
 
-/// In parts of so many recurrences, from evenly spread samples on: at least this share of the slips is
-/// read, in every scene, and hardly one is far off.
+/// Evaluates evenly spaced parts of `recurrences` recurrences. In every scene at least the fraction
+/// `share` of the slips must have coefficients, and at most 1 % of these may be far from the truth.
 fn parts_are_read(recurrences: f64, share: f64) {
     for scene in scenes() {
         let simulation = simulate(&scene, 3).expect("a scene");
@@ -86,8 +86,7 @@ fn a_part_of_fifteen_slips_is_read() {
     parts_are_read(15.5, 0.95);
 }
 
-/// The first sample is the highest of all, and the block rests for four samples: no later one rises
-/// above it.
+/// The first sample is higher than all later ones, and the block rests for four samples only.
 #[test]
 fn a_first_sample_that_falls_hides_no_slip() {
     let stiff = Scene { stiffness_n_per_m: 138e3, duration_s: 60.0, ..scenes()[0].clone() };

@@ -1,5 +1,5 @@
-//! Blocks that lose a third to an eighth of their weight: the first slip of the new block is no slip of the
-//! old one with less friction.
+//! Blocks that lose a third to an eighth of their weight: the first slip of the new block must not
+//! be taken for a slip of the old one with less friction.
 
 use floe::sim::Scene;
 use floe_core::Cause;
@@ -30,7 +30,7 @@ fn no_event_after_a_break_is_wrong_and_sure() {
             assert_eq!(change.cause, Cause::Mass, "{weight_n} N, seed {seed}");
             let ratio = f64::from(change.weight_ratio);
             assert!((ratio / (weight_n / 630.0) - 1.0).abs() < 0.04, "{weight_n} N: {ratio}");
-            // Named is the first slip of the new block, by its number and by its onset.
+            // The change names number and onset of the new block's first slip.
             let first = tried.found.iter().find(|event| event.index == change.event);
             assert_eq!(first.map(|event| event.onset), Some(change.onset), "{weight_n} N, {seed}");
         }

@@ -1,5 +1,5 @@
-//! The paper, section by section, on the scenes in `host-sim/scenes/paper`.
-//! `docs/paper.md` has a line for each; its figures are printed here
+//! Checks of the paper, section by section, on the scenes in `host-sim/scenes/paper`.
+//! `docs/paper.md` has a line for each; the tests print its figures
 //! (`cargo test -p floe-tests --test paper -- --nocapture`).
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -25,7 +25,7 @@ fn omega(scene: &Scene) -> f64 {
     (scene.stiffness_n_per_m / (scene.weight_n / GRAVITY)).sqrt()
 }
 
-/// Central difference over one sample to each side: the paper's rate.
+/// The paper's rate of the force: central difference over one sample to each side.
 fn rates(samples: &[Sample], rate_hz: f64) -> Vec<(f64, f64, Phase)> {
     let rate = |w: &[Sample]| (w[2].force_n - w[0].force_n) * 0.5 * rate_hz;
     samples.windows(3).map(|w| (w[1].force_n, rate(w), w[1].phase)).collect()
@@ -37,7 +37,7 @@ fn fig_5_slips_lie_on_the_ellipse() {
     let (fp, omega) = (0.78 * 630.0, omega(&scene));
     let a = (0.46_f64 * 630.0).hypot(scene.stiffness_n_per_m * scene.winch_m_per_s / omega);
     let points = rates(&simulation.samples, scene.rate_hz);
-    // The neighbours must slip too, or the difference spans the corner.
+    // Both neighbours must slip too, or the difference crosses the corner.
     let inside = points.windows(3).filter(|w| w.iter().all(|p| p.2 == Phase::Slip));
     let radii: Vec<f64> =
         inside.map(|w| ((w[1].0 - fp) / a).powi(2) + (w[1].1 / (omega * a)).powi(2)).collect();
@@ -65,7 +65,7 @@ fn figs_6_and_7_dff8_13_is_reproduced() {
     assert!((event.slip_s * 16.0 - 2.77).abs() < 0.01);
 }
 
-/// What Figs 6 and 7 show together, and what of it the log has.
+/// Properties that Figs 6 and 7 have in common, and those of the log.
 #[test]
 fn figs_6_and_7_fit_together() {
     let scene = scenes::stored("fig6-7");
@@ -74,7 +74,7 @@ fn figs_6_and_7_fit_together() {
     let loading_n_per_s = scene.stiffness_n_per_m * scene.winch_m_per_s;
     let recurrences = events.windows(2).map(|w| w[1].onset_s - w[0].onset_s);
     let recurrence_s = recurrences.sum::<f64>() / (events.len() - 1) as f64;
-    // Seven seconds as in the figures.
+    // Seven seconds, as in the figures.
     let shown = &forces[16..112];
     let (low, high) = shown.iter().fold((f64::MAX, f64::MIN), |(l, h), &f| (l.min(f), h.max(f)));
     let rates: Vec<f64> = forces.windows(3).map(|w| (w[2] - w[0]) * 0.5 * 16.0).collect();
@@ -89,7 +89,7 @@ fn figs_6_and_7_fit_together() {
         events[slip + 1].onset_s,
         (53..60).min_by(|a, b| forces[*a].total_cmp(&forces[*b])).unwrap() as f64 / 16.0
     );
-    // 3.3125 s is sample 53: the highest, and three samples that fall.
+    // 3.3125 s is sample 53: the maximum, followed by three falling samples.
     assert!((54..57).all(|i| forces[i] < forces[i - 1]) && forces[57] > forces[56]);
     assert!(forces[53] > forces[52] && (events[slip + 1].onset_s - 4.5).abs() < 0.0625);
     assert!((recurrence_s - 1.19).abs() < 0.02 && (loading_n_per_s - 600.0).abs() < 30.0);
@@ -150,7 +150,7 @@ fn eq_31_the_block_always_sticks() {
         rests.len()
     );
     assert!(lowest < 0.0 && rests.len() > 50 && rests.iter().all(|&s| s > 0.0));
-    // At any rate, up to 5 m/s, and for differences down to 1e-4.
+    // At speeds up to 5 m/s, and for differences of the coefficients down to 1e-4.
     for w in [1e-4, 0.04, 1.0, 5.0] {
         for difference in [1e-4, 0.01, 1.0] {
             assert!(paper::lowest_speed_m_per_s(difference, omega(&scene), w) < 0.0);
@@ -203,7 +203,7 @@ fn slope_left_out_reads_both_coefficients_too_high() {
     );
 }
 
-/// Mean of a weighing with its uncertainty from whole blocks of 10 s.
+/// Mean of a weighing, with its uncertainty from blocks of 10 s.
 #[test]
 fn weighing_a_swinging_block() {
     let (scene, simulation) = run("weighing");
@@ -236,7 +236,7 @@ fn weighing_a_swinging_block() {
 
 #[test]
 fn large_scale_stress_of_rafting() {
-    // mu from the average of all tests; 0.3 m of ice over 10 m.
+    // mu is the average over all tests; 0.3 m of ice over 10 m.
     let resultant = paper::rafting_resultant_n_per_m(0.56, 0.3, 10.0);
     println!("Rafting: mu 0.56, h 0.3 m, l 10 m: {:.1} kN/m", resultant / 1e3);
     assert!((resultant - 0.56 * 910.0 * GRAVITY * 0.3 * 10.0).abs() < 1e-6);

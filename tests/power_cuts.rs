@@ -1,7 +1,7 @@
-//! The battery pulled at random bytes of what is written to a card, through the real
-//! file system code: nothing older is lost, nothing wrong is read, the logger goes on.
+//! Power cuts at random bytes written to a card, with the real file system code: no older data are
+//! lost, no wrong data are read, and the logger resumes.
 //!
-//! `FLOE_POWER_CUTS=10000` sets their number.
+//! `FLOE_POWER_CUTS=10000` sets the number of cuts.
 
 use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
@@ -17,19 +17,19 @@ use floe_tests::fuzz::Dice;
 use floe_tests::in_ci;
 use floe_tests::records::stick_slip;
 
-/// 512 KiB: eight minutes.
+/// Length of the log, sectors: 512 KiB, eight minutes.
 const LOG_SECTORS: u32 = 1024;
-/// Samples in a test that is not cut.
+/// Samples in a test without a cut.
 const WHOLE: u32 = 400;
 const BEGIN: &str = "set weight 630\nset span 5000\nlive off\nstart\n";
 
-/// Switches the board on, types, and runs it until so many ticks have passed or its
-/// power is gone: the samples that it took.
+/// Switches the board on, types, and runs it for `ticks` ticks or until its power fails; returns
+/// the number of samples taken.
 fn run(card: &SimCard, typed: &str, codes: &[i32], ticks: u32) -> u32 {
     run_with(CardLog::new(card.clone(), LOG_SECTORS), card, typed, codes, ticks)
 }
 
-/// The same with a log file that is made in 64 steps.
+/// Runs a board as `run` does, with a log file extended in 64 steps.
 fn run_new(card: &SimCard, typed: &str, codes: &[i32], ticks: u32) -> u32 {
     let log = CardLog::new(card.clone(), LOG_SECTORS).in_steps_of(LOG_SECTORS / 64);
     run_with(log, card, typed, codes, ticks)
@@ -52,7 +52,7 @@ fn tests(card: &SimCard) -> Vec<Test> {
     card::tests(Cursor::new(card.content())).map(|(tests, _)| tests).unwrap_or_default()
 }
 
-/// Code after code as it was measured; a wrong one is what must never be.
+/// Checks every code against the measured one.
 fn assert_true(test: &Test, codes: &[i32]) {
     for sample in &test.samples {
         let expected = codes[sample.index as usize % codes.len()];
@@ -60,7 +60,7 @@ fn assert_true(test: &Test, codes: &[i32]) {
     }
 }
 
-/// A card with one whole test.
+/// A card with one complete test.
 fn used_card(codes: &[i32]) -> Vec<u8> {
     let card = SimCard::new(formatted());
     run(&card, BEGIN, codes, WHOLE + 1);
@@ -68,7 +68,7 @@ fn used_card(codes: &[i32]) -> Vec<u8> {
     card.content()
 }
 
-/// The program that checks a file system; without it that part is left out, but not in CI.
+/// The file system checker; without it its checks are skipped, except in CI.
 fn fsck() -> Option<PathBuf> {
     let places = ["/usr/sbin/fsck.fat", "/sbin/fsck.fat"].map(PathBuf::from);
     let found = places.into_iter().find(|place| place.exists());
@@ -89,7 +89,7 @@ fn checks(fsck: &Path, option: &str, place: &Path) -> bool {
     checked.status.success()
 }
 
-/// What is read from the file system after its check has mended it.
+/// The tests on a card after a repair of the file system.
 fn mended(fsck: &Path, place: &Path) -> Vec<Test> {
     checks(fsck, "-a", place);
     assert!(checks(fsck, "-n", place), "not mended");
@@ -124,7 +124,7 @@ fn nothing_is_lost_but_the_last_half_second() {
             checked += 1;
         }
 
-        // The power is back: the test goes on by itself, if it had begun.
+        // After the power returns, a test that had begun is resumed.
         let before = found.get(1).map(|test| test.part);
         run(&card, "", &codes, 100);
         let found = tests(&card);
@@ -147,8 +147,8 @@ fn nothing_is_lost_but_the_last_half_second() {
     assert!(checked == cuts || !in_ci(), "{checked} of {cuts} file systems checked");
 }
 
-/// The estimate begins anew after a restart: what the card has of the part that went on
-/// gives the board's events of it, bit for bit.
+/// The estimate starts again after a restart: a replay of the resumed part gives the board's events
+/// bit for bit.
 #[test]
 fn a_part_that_went_on_is_replayed_to_the_boards_events() {
     let codes = stick_slip(WHOLE);
@@ -174,7 +174,7 @@ fn a_part_that_went_on_is_replayed_to_the_boards_events() {
     assert_eq!(events.into_iter().map(text).collect::<Vec<_>>(), board);
 }
 
-/// The settings that a board has after it was switched on.
+/// The weight in the settings of a board after it was switched on.
 fn settings(card: &SimCard, codes: &[i32]) -> f32 {
     with_board(CardLog::new(card.clone(), LOG_SECTORS), codes, |board| {
         board.type_in(b"status\n");
@@ -190,7 +190,7 @@ fn settings(card: &SimCard, codes: &[i32]) -> f32 {
     })
 }
 
-/// A save that is cut at any of its bytes leaves the old settings or the new ones.
+/// Saving settings, cut at any byte, leaves the old settings or the new ones.
 #[test]
 fn settings_are_the_old_or_the_new() {
     let codes = stick_slip(WHOLE);
@@ -207,7 +207,7 @@ fn settings_are_the_old_or_the_new() {
                 700.0 => new += 1,
                 other => panic!("cut at byte {cut}: {other} N"),
             }
-            // And they can be set again.
+            // The settings can be changed again.
             run(&card, "set weight 800\n", &codes, 0);
             assert_eq!(settings(&card, &codes).to_bits(), 800.0_f32.to_bits(), "byte {cut}");
         }
@@ -216,14 +216,14 @@ fn settings_are_the_old_or_the_new() {
     assert!(old > 1500 && new > 0);
 }
 
-/// A new card: its log file is being made while the test runs, and the power is cut in it.
-/// A card that writes a sector whole or not at all is made on; some clusters may stay unused
-/// until a check gives them back, with the log as it was. Where a sector of the file system is
-/// torn, the file may be lost; what is read is true all the same.
+/// The log file of a new card is extended during a test, and the power is cut. If the card writes
+/// sectors completely or not at all, the extension continues; unused clusters may remain until a
+/// check frees them and leaves the log unchanged. If a sector of the file system is torn, the file
+/// may be lost, but no wrong data are read.
 #[test]
 fn a_new_card_that_is_cut_is_made_on() {
     const CUTS: u64 = 100;
-    // As many bytes as are written in the first 37 of 64 steps.
+    // Bytes written in the first 37 of 64 steps.
     const BYTES: usize = 600 * 512;
     let codes = stick_slip(WHOLE);
     let place = std::env::temp_dir().join(format!("floe-new-{}.img", std::process::id()));
@@ -239,7 +239,7 @@ fn a_new_card_that_is_cut_is_made_on() {
             let kept = tests(&card).first().map_or(0, |test| test.samples.len() as u32);
             worst = worst.max(taken.saturating_sub(kept));
 
-            // Made on meanwhile, and then whole.
+            // The file is extended during the test, and then complete.
             run_new(&card, "", &codes, WHOLE);
             run_new(&card, "stop\n", &codes, 0);
             run_new(&card, BEGIN, &codes, WHOLE + 1);

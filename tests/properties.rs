@@ -1,4 +1,4 @@
-//! What does not depend on how a pull is told: in which pieces, in which unit, from where on.
+//! Invariances of the results: chunks, units, and start of the indices.
 
 use floe_core::estimator::Estimator;
 use floe_core::{
@@ -10,8 +10,7 @@ use floe_tests::random::{check, forces_n, pulls, samples};
 use floe_tests::scenes;
 use proptest::prelude::*;
 
-/// The pipeline keeps everything in itself: handed on between samples, as often as one
-/// likes, it goes on as if nothing had happened.
+/// The pipeline contains its whole state: it can be moved or copied between samples at any time.
 #[test]
 fn incremental_equals_batch_in_any_chunks() {
     let input = (pulls(), proptest::collection::vec(0..960_usize, 0..6));
@@ -24,7 +23,7 @@ fn incremental_equals_batch_in_any_chunks() {
         let (mut events, mut from) = (Vec::new(), 0);
         for to in cuts.into_iter().chain([samples.len()]) {
             let mut next = pipeline.clone();
-            // What happens to the old one is no concern of the new one.
+            // Samples fed to the old pipeline do not affect its copy.
             feed::feed(&mut pipeline, (0..50).map(|i| feed::force(1_000_000 + i, 1e3)));
             events.extend(feed::feed(&mut next, samples[from..to].iter().copied()));
             let _ = next.report();
@@ -36,7 +35,7 @@ fn incremental_equals_batch_in_any_chunks() {
     });
 }
 
-/// Events as they come: values around one, with errors of their own.
+/// Random events: values around one, with individual errors.
 fn coefficients(most: usize) -> impl Strategy<Value = Vec<Coefficient>> {
     let one =
         (0.2..1.6_f32, 1e-4..0.1_f32).prop_map(|(value, std)| Coefficient::random(value, std));
@@ -49,11 +48,11 @@ fn estimator(events: &[Coefficient]) -> Estimator {
     estimator
 }
 
-/// With up to eight events a prior on their scatter counts, which is held by its own tests.
+/// Number of events up to which a prior on the scatter counts; other tests cover it.
 const FEW: usize = 8;
 
-/// Mean, standard error and spread by the formulas of `estimator`, written out over
-/// all events at once.
+/// Mean, standard error and spread by the formulas of `estimator`, computed over all events at
+/// once.
 fn batch(events: &[Coefficient]) -> [f64; 3] {
     let n = events.len() as f64;
     let value = |e: &Coefficient| f64::from(e.value);
@@ -89,8 +88,8 @@ fn batch(events: &[Coefficient]) -> [f64; 3] {
     [mean, (independent * inflation).sqrt(), between.sqrt()]
 }
 
-/// `1 + 2 Σ ρ_k` over the lags up to the first one within one and a half standard errors of none, with
-/// what the estimated mean takes from the variance and from the covariances.
+/// `1 + 2 Σ ρ_k` over the lags up to the first whose correlation is within 1.5 standard errors of
+/// zero, corrected for the effect of the estimated mean on variance and covariances.
 fn wandering(events: &[Coefficient], mean: f64, variance: f64) -> f64 {
     let n = events.len();
     let from_mean = |i: usize| f64::from(events[i].value) - mean;
@@ -112,10 +111,10 @@ fn result(estimator: &Estimator) -> [f64; 3] {
     [estimate.mean, std_error, spread].map(f64::from)
 }
 
-/// Equal to the rounding of the single precision in which results are given.
+/// Equality within the rounding of the results to single precision.
 fn close(got: [f64; 3], expected: [f64; 3]) -> Result<(), TestCaseError> {
     for (got, expected) in got.into_iter().zip(expected) {
-        // The spread is a root of a difference, which rounding may leave near zero.
+        // The spread is the root of a difference, which rounding may leave near zero.
         let tolerance = 2e-7 * expected.abs() + 1e-8;
         prop_assert!((got - expected).abs() <= tolerance, "{got} {expected}");
     }
@@ -156,7 +155,7 @@ fn estimators_merge_at_any_split() {
     });
 }
 
-/// The test as a converter of the given span and zero would have it.
+/// Results of a test through a converter with the given zero and span.
 fn in_counts(test: &(Pull, u64), tare_counts: i32, counts_per_n: f32) -> Outcome {
     let calibration = Calibration { tare_counts, counts_per_n, ..Calibration::default() };
     let config = Config { calibration, ..scenes::config(&test.0) };
@@ -168,7 +167,7 @@ fn in_counts(test: &(Pull, u64), tare_counts: i32, counts_per_n: f32) -> Outcome
     feed::replay(&config, samples)
 }
 
-/// A constant force on the cell, tared away, changes nothing at all.
+/// A constant force on the cell, removed by taring, changes nothing.
 #[test]
 fn offset() {
     check(40, (pulls(), -2_000_000..2_000_000_i32), |(test, tare_counts)| {
@@ -177,7 +176,7 @@ fn offset() {
     });
 }
 
-/// A cell wired the other way round changes nothing at all.
+/// A cell with reversed polarity changes nothing.
 #[test]
 fn polarity() {
     check(40, (pulls(), -2_000_000..2_000_000_i32), |(test, tare_counts)| {
@@ -187,7 +186,7 @@ fn polarity() {
     });
 }
 
-/// All forces and the weight, larger by a factor.
+/// Results with all forces and the weight multiplied by a factor.
 fn scaled(test: &(Pull, u64), factor: f64) -> Outcome {
     let config = scenes::config(&test.0);
     let forces_n: Vec<f64> = forces_n(test).iter().map(|f| f64::from(*f as f32) * factor).collect();
@@ -195,7 +194,7 @@ fn scaled(test: &(Pull, u64), factor: f64) -> Outcome {
     feed::replay(&config, feed::in_a_row(&forces_n))
 }
 
-/// What has no newtons in it.
+/// The results that do not depend on the unit of force.
 type Plain = (SampleTime, [Option<Coefficient>; 2], Option<f32>, f32, Option<f32>);
 
 fn plain(event: &Event) -> Plain {
@@ -203,7 +202,7 @@ fn plain(event: &Event) -> Plain {
     (event.onset, coefficients, event.stick_s, event.slip_s, event.omega_rad_per_s)
 }
 
-/// Powers of two leave every digit as it is: nothing in the core knows a newton.
+/// Factors that are powers of two keep every digit: the core contains no absolute force.
 #[test]
 fn scale_by_powers_of_two_changes_nothing() {
     check(40, (pulls(), -14..14_i32), |(test, power)| {
@@ -216,9 +215,9 @@ fn scale_by_powers_of_two_changes_nothing() {
     });
 }
 
-/// Any other factor changes the rounding, and by that decisions that hang on a hair:
-/// when a fit is settled, whether the loading rate varies. For the published test the
-/// events then move by part of their error.
+/// Other factors change the rounding, and thereby close decisions: when a fit has converged, and
+/// whether the loading rate varies. For the published test the events then move by a fraction of
+/// their error.
 #[test]
 fn scale_by_any_factor_changes_the_rounding_only() {
     check(40, (any::<u16>(), 1e-4..1e4_f64), |(seed, factor)| {
@@ -231,7 +230,7 @@ fn scale_by_any_factor_changes_the_rounding_only() {
         for (a, b) in pairs {
             let (a, b) = match (a, b) {
                 (Some(a), Some(b)) => (a, b),
-                // One that looks like a change at first is refused whatever the factor.
+                // An apparent change that is refused later is refused for every factor.
                 (None, None) => continue,
                 _ => return Err(TestCaseError::fail("lost")),
             };

@@ -1,12 +1,11 @@
-//! Replays of the bundled logs and of seeded scenes against stored summaries.
+//! Replays of the bundled logs and of seeded scenes compared with stored summaries.
 //!
-//! A summary is for reading: counts, means, errors, quantiles. Counts must be equal.
-//! Other numbers agree to what stands behind them: a twentieth of their uncertainty,
-//! or 0.1 % where none is given, since libraries of other machines may round
-//! differently.
+//! A summary is readable text: counts, means, errors, quantiles. Counts must be equal. Other
+//! numbers agree within a twentieth of their uncertainty, or 0.1 % if they have none, since
+//! libraries on other machines may round differently.
 //!
-//! `FLOE_GOLDEN=write cargo test -p floe-tests --test replay_golden` rewrites them; a
-//! commit that does says why.
+//! `FLOE_GOLDEN=write cargo test -p floe-tests --test replay_golden` rewrites the summaries; the
+//! commit must state the reason.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -24,7 +23,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// One line: what it is, numbers with the tolerance each has.
+/// Text of a summary: names, numbers and their tolerances.
 #[derive(Default)]
 struct Summary(String);
 
@@ -33,7 +32,7 @@ impl Summary {
         writeln!(self.0, "{name} = {value}").unwrap();
     }
 
-    /// Numbers that agree within a twentieth of their uncertainty; zero: to 0.1 %.
+    /// Adds numbers with a tolerance of a twentieth of their uncertainty; 0.1 % if it is zero.
     fn about(&mut self, name: &str, values: &[Option<f64>], uncertainty: f64) {
         let largest = values.iter().flatten().fold(0.0_f64, |max, v| max.max(v.abs()));
         let tolerance = if uncertainty > 0.0 { uncertainty / 20.0 } else { 1e-3 * largest };
@@ -48,12 +47,12 @@ impl Summary {
     }
 }
 
-/// Six digits.
+/// Rounds to six digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap()
 }
 
-/// Least, quartiles, largest.
+/// Adds minimum, quartiles and maximum.
 fn quantiles(
     events: &[EventSummary],
     of: impl Fn(&EventSummary) -> Option<f64>,
@@ -114,7 +113,7 @@ fn summary(result: &ReplayResult) -> String {
     s.0
 }
 
-/// Number, or the word in its place, with the line's tolerance.
+/// Whether two lines have the same words, and numbers within the line's tolerance.
 fn agrees(line: &str, stored: &str) -> bool {
     if line == stored {
         return true;
@@ -164,7 +163,7 @@ fn bundled(file: &str, options: &TestOptions) {
     compare(&file.replace('.', "-"), &replayed(text, options));
 }
 
-/// A scene as a CSV file with indices from the time column.
+/// Replays a scene through a CSV file, with indices from its time column.
 fn simulated(name: &str, scene: &Scene) {
     let mut text = format!("# weight_n: {}\n# slope_deg: {}\n", scene.weight_n, scene.slope_deg);
     writeln!(text, "# rate_hz: {}\ntime_s,force_n", scene.rate_hz).unwrap();
@@ -204,8 +203,8 @@ fn fast_uphill() {
     simulated("fast-uphill", &minutes(uphill, 2.0));
 }
 
-/// A cable that falls on the ice after each slip, and a logger that loses, repeats and
-/// misreads samples.
+/// A cable that drops on the ice after each slip, and a logger that loses, repeats and misreads
+/// samples.
 #[test]
 fn troubled() {
     let mut scene = minutes(scenes::snow(), 5.0);
@@ -219,7 +218,7 @@ fn troubled() {
     simulated("troubled", &scene);
 }
 
-/// The comparison itself: equal counts, near numbers, nothing else.
+/// Tests the comparison: equal counts, numbers within the tolerance, no other difference.
 #[test]
 fn summaries_are_compared_as_said() {
     for (got, stored, same) in [

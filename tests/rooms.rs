@@ -1,10 +1,10 @@
-//! The rooms of the core: which may know which.
+//! The modules of the core and their permitted imports.
 
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// From the bottom up: a room imports from those before it, never from those after.
+/// Top-level modules from the lowest to the highest: each may import only from earlier ones.
 const ROOMS: [&str; 20] = [
     "num",
     "units",
@@ -42,12 +42,12 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Where a room stands; its name is that of the first folder or file below `src`.
+/// Position of a top-level module, named after its file or folder below `src`.
 fn rank(name: &str) -> Option<usize> {
     ROOMS.iter().position(|room| *room == name)
 }
 
-/// The paths behind `crate::` that a text without its tests names.
+/// The paths after `crate::` in a text without its tests.
 fn imports(text: &str) -> impl Iterator<Item = &str> {
     let code = text.split("#[cfg(test)]").next().unwrap_or_default();
     let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
@@ -58,17 +58,17 @@ fn imports(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Path of the module that a file below `src` holds.
+/// Module path of a file below `src`.
 fn module(file: &Path) -> String {
     let place = file.strip_prefix(core()).unwrap().with_extension("");
     let names: Vec<_> = place.iter().map(|name| name.to_str().unwrap()).collect();
     names.join("::").trim_end_matches("::mod").to_owned()
 }
 
-/// From one module to another, both named by their paths.
+/// An import, from one module path to another.
 type Arrow = (String, String);
 
-/// Every import of the core, from the module that has it to the path that it names.
+/// Every import in the core, from the module with the import to the imported path.
 fn arrows() -> Vec<Arrow> {
     let of_file = |file: PathBuf| {
         let (from, text) = (module(&file), fs::read_to_string(&file).unwrap());
@@ -90,8 +90,8 @@ fn arrows_go_one_way() {
     }
 }
 
-/// An import as one between neighbours: of what two paths begin with alike the parts that differ
-/// first. None to the folder that a module is in, nor to what a folder holds.
+/// An import reduced to sibling modules: both paths cut after the first part that differs. `None`
+/// for imports between a module and its parent.
 fn between_neighbours((from, to): &Arrow) -> Option<Arrow> {
     let (from, to): (Vec<_>, Vec<_>) = (from.split("::").collect(), to.split("::").collect());
     let alike = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
@@ -99,7 +99,7 @@ fn between_neighbours((from, to): &Arrow) -> Option<Arrow> {
     differs.then(|| (from[..=alike].join("::"), to[..=alike].join("::")))
 }
 
-/// The arrows that are left when those to where none begins are taken away, again and again.
+/// The arrows left after repeatedly removing those that lead to a module without imports.
 fn circles(mut arrows: Vec<Arrow>) -> Vec<Arrow> {
     loop {
         let (count, begins) = (arrows.len(), arrows.iter().map(|(from, _)| from.clone()));
@@ -111,7 +111,7 @@ fn circles(mut arrows: Vec<Arrow>) -> Vec<Arrow> {
     }
 }
 
-/// Inside a room too.
+/// Modules do not import in circles, even below the top level.
 #[test]
 fn neighbours_import_in_no_circle() {
     let neighbours = arrows().iter().filter_map(between_neighbours).collect();
@@ -131,7 +131,7 @@ fn circles_are_found() {
     assert_eq!(circles(there_and_back).len(), 2);
 }
 
-/// A file that is longer holds two things: it is to be split where they meet.
+/// A longer file has more than one topic and must be split.
 #[test]
 fn files_are_read_at_one_sitting() {
     const MOST_LINES: usize = 350;

@@ -28,7 +28,7 @@ const WITHOUT_EVENTS: [&str; 8] = [
     "breakaway",
 ];
 
-/// What a scene can have, some scene has.
+/// Every term that scenes support occurs in some scene.
 #[test]
 fn no_term_is_without_a_scene() {
     let mut seen = HashSet::new();

@@ -1,4 +1,4 @@
-//! Any valid scene, whatever its terms, runs to its end and stays physical.
+//! Any valid scene, with any terms, runs to its end with physically possible states.
 
 use floe::sim::measurement::{Chance, Drift, Flop, Hum, Late, ZeroStep};
 use floe::sim::motion::Segments;
@@ -16,7 +16,7 @@ fn maybe<T: std::fmt::Debug + Clone + 'static>(
     prop_oneof![3 => Just(None), 1 => term.prop_map(Some)].boxed()
 }
 
-/// Ten to the power of what is drawn.
+/// Powers of ten with a uniform exponent.
 fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> + Clone {
     (low..high).prop_map(|x| 10_f64.powf(x))
 }
@@ -176,7 +176,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
         .prop_filter("valid", |scene| scene.validate().is_ok())
 }
 
-/// Segments follow each other without a gap, states stay physical.
+/// Checks that segments follow each other without a gap, and that states are physically possible.
 fn check_motion(scene: &Scene) {
     let mut segments = Segments::new(scene, 3, Method::for_scene(scene));
     let mut last: Option<floe::sim::motion::Segment> = None;
@@ -198,7 +198,7 @@ fn check_motion(scene: &Scene) {
     assert!(is_at_winch(segments.failure()), "{:?}", segments.failure());
 }
 
-/// The one thing that cannot be known beforehand.
+/// Whether the block runs into the winch, the only failure that cannot be excluded in advance.
 fn is_at_winch(failure: Option<&str>) -> bool {
     failure.is_none_or(|f| f.contains("runs into the winch"))
 }

@@ -5,12 +5,12 @@ use floe::sim::state::End;
 use floe::sim::{Method, Phase, Scene, simulate};
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
 
-/// Force, speed, slack and way by classical Runge-Kutta with a tiny step, events
-/// taken at the end of the step in which they happen. Knows only (2) and (3).
+/// Force, speed, slack and distance by classical Runge-Kutta with a tiny step; events are taken at
+/// the end of their step. Uses equations (2) and (3) only.
 struct BruteForce<'a> {
     scene: &'a Scene,
     phase: Phase,
-    /// Force (slack as a negative extension times k), speed.
+    /// Force divided by stiffness (negative when slack), and speed.
     extension_m: f64,
     speed_m_per_s: f64,
 }
@@ -71,7 +71,7 @@ fn agrees(scene: &Scene, h: f64, force_tolerance_n: f64) {
     assert!(exact.events.len() >= 2, "the case must have events");
     let expected = exact.events.iter().flat_map(|e| [e.onset_s, e.stop_s]);
     for ((_, brute), exact) in events.iter().zip(expected) {
-        // An event is late by up to one step here, and delays all that follow.
+        // Each event is late by up to one step in this integration, and delays all that follow.
         let tolerance = h * (events.len() as f64 + 1.0);
         assert!((brute - exact).abs() < tolerance, "{brute} {exact} {tolerance}");
     }
@@ -104,7 +104,7 @@ fn slack_cable_agrees_with_brute_force() {
     agrees(&scene, 1.0 / 16.0 / 65536.0, 0.2);
 }
 
-/// At a high pull rate the cable goes slack and taut again under a moving block.
+/// At a high pull rate the cable goes slack and taut again while the block moves.
 #[test]
 fn cable_taut_again_while_sliding_agrees_with_brute_force() {
     let scene = Scene { mu_s: 0.8, mu: 0.5, winch_m_per_s: 0.3, duration_s: 4.0, ..short() };

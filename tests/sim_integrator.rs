@@ -1,5 +1,4 @@
-//! The integrator against the closed form on linear scenes, and the energy
-//! balance of both.
+//! The integrator compared with the closed form on linear scenes, and the energy balance of both.
 
 use floe::sim::motion::{Segment, Segments};
 use floe::sim::{Method, Phase, Scene, simulate, simulate_by};
@@ -7,8 +6,7 @@ use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
 
 const INTEGRATOR: Method = Method::Integrator { tolerance: 5e-14 };
 
-/// Largest difference of the forces, relative to the weight, and of the event
-/// times.
+/// Largest differences of forces, relative to the weight, and of event times.
 fn differences(scene: &Scene) -> (f64, f64) {
     let exact = simulate(scene, 0).unwrap();
     let integrated = simulate_by(scene, 0, INTEGRATOR).unwrap();
@@ -41,7 +39,7 @@ fn integrator_agrees_with_closed_form() {
     }
 }
 
-/// A scene that starts right where a stick starts, three recurrences long.
+/// A scene that starts at the beginning of a stick and lasts three recurrences.
 fn corner(k: f64, difference: f64, w: f64) -> Scene {
     let mu = 0.6;
     let weight_n = 630.0;
@@ -85,7 +83,7 @@ fn corners_keep_their_event_times_to_a_microsecond() {
     assert!(worst < 1e-6, "{worst}");
 }
 
-/// Steps of one phase up to its event.
+/// Runs one phase up to its event.
 fn whole_phase(segments: &mut Segments) -> Segment {
     loop {
         let segment = segments.next().unwrap();
@@ -95,8 +93,7 @@ fn whole_phase(segments: &mut Segments) -> Segment {
     }
 }
 
-/// `a = Fp`: the cable is about to go slack. A little more or less must not move
-/// the events.
+/// At `a = Fp` the cable is about to go slack; a small change must not move the events.
 #[test]
 fn a_cable_about_to_go_slack_keeps_its_event_times() {
     let base = Scene { mu_s: 1.2, mu: 0.7, duration_s: 20.0, ..Scene::default() };
@@ -115,8 +112,8 @@ fn a_cable_about_to_go_slack_keeps_its_event_times() {
     }
 }
 
-/// Gauss-Legendre rule on panels that resolve the ellipse: independent of the
-/// closed form's own antiderivatives.
+/// Work of the winch by Gauss-Legendre quadrature on panels that resolve the ellipse, independent
+/// of the closed form's antiderivatives.
 fn winch_work_j(segment: &Segment, until_s: f64, w: f64) -> f64 {
     let end_s = segment.to.time_s.min(until_s);
     let omega = segment.mechanics.omega_rad_per_s();
@@ -133,7 +130,7 @@ fn winch_work_j(segment: &Segment, until_s: f64, w: f64) -> f64 {
         .sum()
 }
 
-/// Winch work, and friction + kinetic + elastic energy, at the end.
+/// Work of the winch, and sum of friction, kinetic and elastic energy, at the end.
 fn energies(scene: &Scene, method: Method) -> (f64, f64) {
     let (mut work_j, mut friction_j) = (0.0, 0.0);
     let end_s = scene.duration_s;

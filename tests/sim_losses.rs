@@ -1,6 +1,5 @@
-//! Losses, friction that changes within a slip, the winch's programmes and the cell's
-//! errors: each against a brute-force integration of its stated equation, or against what
-//! it says it does.
+//! Losses, friction that changes within a slip, the winch's programmes and the cell's errors, each
+//! compared with a brute-force integration of its equation or with its documented behaviour.
 
 use floe::sim::along_slip::AlongSlip;
 use floe::sim::damping::CableDamping;
@@ -23,8 +22,8 @@ fn base() -> Scene {
     Scene { duration_s: 6.0, ..Scene::default() }
 }
 
-/// What acts on the block: the friction by speed, way since the onset and time since it,
-/// N; the dashpot, N s/m; the winch by time.
+/// Forces on the block: friction, N, by speed, distance and time since the onset; dashpot, N s/m;
+/// and the speed of the winch by time.
 struct Laws<'a> {
     friction_n: &'a dyn Fn(f64, f64, f64) -> f64,
     dashpot: f64,
@@ -41,7 +40,8 @@ struct Slip {
 }
 
 impl Laws<'_> {
-    /// Spring and dashpot apart, in steps of half a microsecond: forces at 16 Hz and slips.
+    /// Spring and dashpot as separate elements, in steps of half a microsecond: forces at 16 Hz,
+    /// and slips.
     fn solve(&self, duration_s: f64) -> (Vec<f64>, Vec<Slip>) {
         let steps = 1_u64 << 17;
         let h = 1.0 / 16.0 / steps as f64;
@@ -94,7 +94,7 @@ fn agrees(name: &str, scene: &Scene, laws: &Laws) -> Simulation {
     simulated
 }
 
-/// The truth's `mu` is the average friction over the distance.
+/// Checks that the true `mu` is the friction averaged over the distance.
 fn mu_is_the_average(simulated: &Simulation, laws: &Laws, duration_s: f64, drag: bool) {
     let (_, slips) = laws.solve(duration_s);
     for (event, slip) in simulated.events.iter().zip(&slips) {
@@ -109,10 +109,10 @@ fn damping_of_the_cable() {
     let scene = Scene { cable_damping: Some(damping), ..base() };
     let dashpot = 2.0 * 0.05 * (K * WEIGHT_N / GRAVITY).sqrt();
     let laws = Laws { friction_n: &|_, _, _| 0.78 * WEIGHT_N, dashpot, winch: &|_| W };
-    // Its start is that of a cable already under way: the dashpot's share is there at once.
+    // The start is that of a moving cable: the force of the dashpot is there at once.
     let scene = Scene { start_force_n: dashpot * W, ..scene };
     let simulated = agrees("damping", &scene, &laws);
-    // It leaves the coefficient alone and makes the re-stick higher.
+    // The dashpot leaves the coefficient unchanged and raises the force at the re-stick.
     for event in &simulated.events {
         assert!((event.mu - 0.78).abs() < 1e-9);
         assert!(event.restick_force_n > (2.0 * 0.78 - 1.24) * WEIGHT_N + 10.0);
@@ -161,7 +161,7 @@ fn friction_that_falls_smoothly_from_its_static_value() {
     }
 }
 
-/// One law, followed by two tolerances; peaks where the law's own static value is.
+/// One law solved with two tolerances; the peaks agree with the law's static value.
 #[test]
 fn rate_and_state() {
     let law =
@@ -172,10 +172,11 @@ fn rate_and_state() {
     assert!(fine.len() > 4 && fine.len() == rough.len(), "{}", fine.len());
     for (a, b) in fine.iter().zip(&rough).skip(1) {
         assert!((a.onset_s - b.onset_s).abs() < 1e-4 && (a.mu - b.mu).abs() < 1e-5);
-        // At the peak the block moves with the winch, its contacts as old as the rest.
+        // At the peak the block moves at the winch's speed, and the contacts have the age of the
+        // rest.
         let most = 0.78 + 0.012 * (W / 1e-3).ln() + 0.045 * (1e-3 * a.stick_s / 2e-5).ln();
         assert!((a.mu_s - most).abs() < 0.06, "{} {most}", a.mu_s);
-        // At speed the contacts are as young as they can be.
+        // At high speed the contacts have their smallest age.
         assert!(a.mu < 0.78 && a.mu > 0.5 && a.slip_s < 0.3, "{a:?}");
     }
 }
@@ -191,7 +192,7 @@ fn winches_follow_their_programmes() {
         assert!(s.time_s > 5.1 || (s.true_force_n - line).abs() < 1e-6, "{s:?}");
     }
     assert!((held.events[0].onset_s - (1.24 * WEIGHT_N / 360.0 + 3.0)).abs() < 1e-9);
-    // Wound back to a slack cable and on again: nothing slips, slack is taken up first.
+    // Wound back until the cable is slack, then on: nothing slips before the slack is taken up.
     let steps = vec![[1.0, -2.0], [2.0, 1.0]];
     let back = pulled(WinchProfile::Steps { steps, period_s: None });
     assert!(back.samples.iter().any(|s| s.phase == Phase::SlackStuck));
@@ -199,14 +200,14 @@ fn winches_follow_their_programmes() {
     for s in back.samples.iter().filter(|s| s.time_s > taut_s && s.time_s < taut_s + 2.0) {
         assert!((s.true_force_n - 360.0 * (s.time_s - taut_s)).abs() < 1e-6, "{s:?}");
     }
-    // Slower up to the end of the first slip.
+    // Slower until the end of the first slip.
     let profile = Some(WinchProfile::FirstSlip { factor: 0.5 });
     let first = Scene { winch_profile: profile, duration_s: 9.0, ..base() };
     let first = simulate(&first, 1).unwrap();
     assert!((first.events[0].onset_s - 2.0 * 1.24 * WEIGHT_N / 360.0).abs() < 1e-9);
     assert!((first.events[0].loading_rate_n_per_s - 180.0).abs() < 1e-9);
     assert!((first.events[1].loading_rate_n_per_s - 360.0).abs() < 1e-9);
-    // Pauses: the line is flat now and then, and the stops are of the length that is asked.
+    // Pauses: the line is flat at times, and the pauses have the requested duration.
     let profile = WinchProfile::Pauses { every_s: 4.0, least_s: 0.5, most_s: 0.5 };
     let long = Scene { winch_profile: Some(profile), duration_s: 400.0, ..base() };
     let samples = simulate(&long, 1).unwrap().samples;
@@ -254,7 +255,7 @@ fn a_cell_that_lags() {
 fn stamps_that_jitter_and_ramps() {
     let jitter = Some(Jitter { std_s: 5e-3 });
     let samples = measured(Measurement { jitter, ..Measurement::default() });
-    // On the first line, an error of the time is one of the force.
+    // On the first line an error of the time appears as an error of the force.
     let line = samples.iter().take(32).map(|s| s.force_n / 360.0 - s.time_s);
     let errors: Vec<f64> = line.collect();
     let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
@@ -276,7 +277,7 @@ fn hum_of_the_mains_is_folded() {
     }
 }
 
-/// What is off costs nothing and changes nothing; coloured noise leaves the white alone.
+/// Terms that are off have no effect; coloured noise leaves the white noise unchanged.
 #[test]
 fn new_terms_leave_the_others_alone() {
     let white = Measurement { white_n: 2.0, ..Measurement::default() };

@@ -1,5 +1,5 @@
-//! Every term of a scene against a brute-force integration of its stated
-//! equation, and the measurement chain against what it says it does.
+//! Every term of a scene compared with a brute-force integration of its equation, and the
+//! measurement chain compared with its documented behaviour.
 
 use floe::sim::measurement::{Chance, Flop, Hum, Late};
 use floe::sim::terms::{
@@ -8,10 +8,10 @@ use floe::sim::terms::{
 use floe::sim::{Measurement, Phase, Scene, simulate};
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
 
-/// Steps per sample of the brute force.
+/// Steps per sample in the brute-force integration.
 const STEPS: u64 = 1 << 15;
 
-/// The equations of a scene, as its documentation states them.
+/// The equations of a scene as documented.
 struct Equations {
     stiffness: Box<dyn Fn(f64, f64) -> f64>,
     winch: Box<dyn Fn(f64) -> f64>,
@@ -22,7 +22,7 @@ struct Equations {
 }
 
 impl Equations {
-    /// The linear block, to be changed by the case.
+    /// The linear block, which each case modifies.
     fn linear(s: &Scene) -> Self {
         let (weight, mu, mu_s) = (s.weight_n, s.mu, s.mu_s);
         let (k, w) = (s.stiffness_n_per_m, s.winch_m_per_s);
@@ -36,7 +36,7 @@ impl Equations {
         }
     }
 
-    /// Force at each sample, and times of stops, by classical Runge-Kutta.
+    /// Force at each sample and times of stops, by classical Runge-Kutta.
     fn solve(&self, duration_s: f64, start_n: f64) -> (Vec<f64>, Vec<f64>) {
         let h = 1.0 / 16.0 / STEPS as f64;
         // Force, speed, way; time of rest; moving.
@@ -86,9 +86,9 @@ fn agrees(name: &str, scene: &Scene, equations: &Equations) {
     let times = simulated.events.iter().zip(&stops);
     let late = times.map(|(e, s)| (e.stop_s - s).abs()).fold(0.0, f64::max);
     println!("{name}: force {worst:.3} N, stops {late:.1e} s");
-    // The brute force is late by up to a step of 2 µs at each event.
+    // Each event of the brute-force integration is late by up to a step of 2 µs.
     assert!(worst < 0.2 && late < 5e-5, "{name}: {worst} N, {late} s");
-    // And the term must matter.
+    // The term must also have an effect.
     let plain = simulate(&Scene { duration_s: scene.duration_s, ..plain(scene) }, 0).unwrap();
     let pairs = simulated.samples.iter().zip(&plain.samples);
     let effect = pairs.map(|(a, b)| (a.true_force_n - b.true_force_n).abs()).fold(0.0, f64::max);
@@ -200,7 +200,7 @@ fn breaking_block() {
     assert!(events.iter().any(|e| (e.weight_n - 630.0).abs() < 1e-9));
     let light: Vec<_> = events.iter().filter(|e| (e.weight_n - 420.0).abs() < 1e-9).collect();
     assert!(!light.is_empty());
-    // The first one may slip from a force above its own limit.
+    // The first event may slip from a force above its own limit.
     for event in light.iter().skip(1) {
         assert!((event.static_force_n - 1.24 * 420.0).abs() < 1e-9);
         assert!((event.restick_force_n - 0.32 * 420.0).abs() < 1e-9);
@@ -237,7 +237,7 @@ fn measured(measurement: Measurement) -> Vec<floe::sim::Sample> {
     simulate(&Scene { measurement, ..base() }, 7).unwrap().samples
 }
 
-/// The mean over the aperture against a fine sum.
+/// The average over the aperture compared with a fine sum.
 #[test]
 fn aperture_averages() {
     let flop = Some(Flop { amplitude_n: 30.0, hz: 3.3, decay_per_s: 3.0 });
@@ -294,7 +294,7 @@ fn faults_strike_as_often_as_asked() {
     assert!(near(differ.count() as f64, 0.03));
 }
 
-/// A clock that is slow by 1 % makes 120 s out of 121.2 s.
+/// A clock that is slow by 1 % records 121.2 s as 120 s.
 #[test]
 fn clock_error_stretches_the_record() {
     let exact = simulate(&Scene::default(), 0).unwrap().events;
@@ -305,8 +305,8 @@ fn clock_error_stretches_the_record() {
     }
 }
 
-/// The same seed gives the same log; what is switched on leaves the draws of
-/// the rest as they were.
+/// Equal seeds give equal logs, and enabling a term leaves the random draws of the others
+/// unchanged.
 #[test]
 fn terms_do_not_disturb_each_other() {
     let white = Measurement { white_n: 2.0, ..Measurement::default() };

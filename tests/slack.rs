@@ -1,21 +1,20 @@
-//! Slips that end on a slack cable, against Newton's law in small steps.
+//! Slips that end with a slack cable, compared with Newton's law in small steps.
 //!
-//! The force lies at zero until the winch has taken up what the block slid on; the
-//! time of that tells `mu`. Limits per event, after the first few of a test, on bias,
-//! 95th percentile and coverage of the 95 % intervals.
+//! The force is zero until the winch has taken up the slack; the duration determines `mu`. After
+//! the first events of a test, limits apply to bias, 95th percentile and coverage of the 95 %
+//! intervals.
 
 use floe_core::{Event, Quality};
 use floe_tests::brute::{self, Pull, Truth};
 use floe_tests::score::Errors;
 use floe_tests::{feed, scenes};
 
-/// Events of a test before anything counts.
+/// Events at the start of a test that are not judged.
 const SETTLING: u32 = 3;
-/// Tests of each case, each with its own moment of the first sample.
+/// Number of tests per case, each with another sampling phase.
 const TESTS: u32 = 8;
 
-/// Friction that varies by a percent between events: no test always slips at the same
-/// moment between two samples.
+/// Friction varies by a percent between events, so that the sampling phase of the slips varies.
 fn slack() -> Pull {
     Pull { mu_s: 1.0, mu: 0.4, variation: 0.01, step_s: 2e-3, ..scenes::dff8_13() }
 }
@@ -24,12 +23,12 @@ fn slack() -> Pull {
 struct Score {
     mu_s: Errors,
     mu: Errors,
-    /// True events, those found, found ones that are none, and wrong words on slack.
+    /// Numbers of true events, found ones, false ones, and wrong statements on slack.
     due: usize,
     matched: usize,
     invented: usize,
     misnamed: usize,
-    /// Worst error of a stop, s.
+    /// Largest error of a stop, s.
     stop_s: f64,
 }
 
@@ -60,7 +59,7 @@ impl Score {
     }
 }
 
-/// Feeds the tests of a case, their forces changed by `cell`.
+/// Evaluates the tests of a case, with forces changed by `cell`.
 fn score(name: &str, pull: &Pull, cell: impl Fn(f64) -> f64) -> Score {
     let mut score = Score::default();
     for seed in 0..TESTS {
@@ -89,7 +88,7 @@ fn score(name: &str, pull: &Pull, cell: impl Fn(f64) -> f64) -> Score {
     score
 }
 
-/// Errors within the limits, in percent, for bias and 95th percentile.
+/// Checks bias and 95th percentile against limits in percent.
 fn within(name: &str, score: &Score, (bias, percentile): (f64, f64)) {
     for (coefficient, errors) in [("mu_s", &score.mu_s), ("mu", &score.mu)] {
         let case = format!("{name} {coefficient}");
@@ -113,7 +112,7 @@ fn in_every_slip() {
     assert_eq!(score.misnamed, 0);
 }
 
-/// Every event at the same moment between two samples, so all show the same little.
+/// Every event has the same sampling phase, so all provide the same little information.
 #[test]
 fn always_at_the_same_moment() {
     check("same", &Pull { variation: 0.0, ..slack() });
@@ -140,7 +139,7 @@ fn slow_and_fast_winch() {
     check("fast", &Pull { winch_m_per_s: 0.04, ..slack() });
 }
 
-/// Four seconds at zero in every event, and in some events just so.
+/// Four seconds of slack in every event, and slack in some events only.
 #[test]
 fn long_and_short_slack() {
     check("long", &Pull { mu_s: 1.5, mu: 0.3, duration_s: 300.0, ..slack() });
@@ -150,14 +149,14 @@ fn long_and_short_slack() {
     assert!(score.misnamed as f64 <= 0.01 * score.due as f64, "{} misnamed", score.misnamed);
 }
 
-/// A winch so fast that it catches the block still sliding (`d < Fp < a`).
+/// A winch so fast that it tightens the cable while the block still slides (`d < Fp < a`).
 #[test]
 fn caught_while_sliding() {
     let pull = Pull { mu_s: 0.8, mu: 0.41, winch_m_per_s: 0.1, rate_hz: 100.0, ..slack() };
     check("caught", &Pull { duration_s: 60.0, ..pull });
 }
 
-/// Noise of 1 % and 5 % of the weight: wider, and said so.
+/// Noise of 1 % and 5 % of the weight: wider errors with right intervals.
 #[test]
 fn noisy_cells() {
     check("1 %", &Pull { noise_n: 6.3, ..slack() });
@@ -165,7 +164,7 @@ fn noisy_cells() {
     within("5 %", &score("5 %", &noisy, |force_n| force_n), (0.5, 4.0));
 }
 
-/// A cell that reads nothing below zero.
+/// A cell that cannot read negative forces.
 #[test]
 fn a_cell_without_negative_forces() {
     within("clipped", &score("clipped", &slack(), |force_n| force_n.max(0.0)), (0.5, 1.5));

@@ -1,5 +1,5 @@
-//! Rounding: the core in single precision against itself in double, and what a month
-//! of samples does to it. Figures: `docs/stability.md`.
+//! Rounding errors: the core in single precision compared with double precision, and the effect of
+//! a month of samples. Figures: `docs/stability.md`.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use floe_tests::scenes;
 /// Largest root-mean-square difference, in stated standard deviations of an event.
 const LIMIT: f64 = 0.02;
 
-/// All scenes with noise.
+/// Names of all scenes with noise.
 fn names() -> Vec<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
     let mut names = vec!["dff8-13".to_owned()];
@@ -30,14 +30,14 @@ fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// The part of the sizes that lies below.
+/// Quantile of the absolute values.
 fn quantile(values: &[f64], part: f64) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|x| x.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     sizes.get((part * (sizes.len().max(1) - 1) as f64) as usize).copied().unwrap_or(0.0)
 }
 
-/// The events of a scene's first seeds in both precisions.
+/// Differences between the events of a scene's first seeds in both precisions.
 fn compared(scene: &Scene, seeds: u64) -> Differences {
     let mut differences = Differences::default();
     for seed in 1..=seeds {
@@ -76,13 +76,13 @@ fn rounding_is_small_against_the_error_on_every_scene() {
     for name in names() {
         let differences = compared(&scenes::stored(&name), 10);
         check(&name, &differences, LIMIT);
-        // An onset between the same two samples may be placed at either end of them.
+        // Rounding may move an onset between the same two samples to either end.
         let (alone, events) = (differences.alone, differences.onset.len());
         assert!(200 * alone <= events, "{name}: {alone} of {events} events differ");
     }
 }
 
-/// A dead load of 10 kN, taken off in codes or not taken off at all.
+/// A constant load of 10 kN, removed in codes or not removed.
 #[test]
 fn a_large_tare_costs_nothing() {
     const COUNTS_PER_N: f32 = 416.67;
@@ -92,7 +92,8 @@ fn a_large_tare_costs_nothing() {
     let calibration =
         Calibration { tare_counts, counts_per_n: COUNTS_PER_N, ..Calibration::default() };
     let net = Config { range_n: None, calibration, ..both::config(&scene) };
-    // The load is part of the weight then, since no coefficient above 3 is believed, and no mass.
+    // An unremoved load is part of the weight, since no coefficient above 3 is accepted, and has no
+    // mass.
     let gross = Config { weight_n: net.weight_n + 10_000.0, winch_m_per_s: None, ..net };
     println!("{TABLE}");
     for (name, config) in [("taken off in codes", net), ("in the force", gross)] {
@@ -115,8 +116,8 @@ fn a_large_tare_costs_nothing() {
     }
 }
 
-/// The less noise, the more rounding counts: down to a hundred-thousandth of the weight
-/// it does not.
+/// Rounding matters more with less noise; down to a hundred-thousandth of the weight it has no
+/// effect.
 #[test]
 fn quiet_cells() {
     println!("{TABLE}");
@@ -127,8 +128,8 @@ fn quiet_cells() {
     }
 }
 
-/// A heavy block, a slow winch and a quiet cell: each of the 3800 samples of a rest moves the mean
-/// of its line by nearly as much.
+/// A heavy block, a slow winch and a quiet cell: the noise of one of the 3800 samples of a rest
+/// moves the mean of its line by about as much as rounding.
 #[test]
 fn rests_of_minutes() {
     println!("{TABLE}");
@@ -145,7 +146,7 @@ fn rests_of_minutes() {
     check("rests of 240 s, noise 4.5 N of 15.6 kN", &compared(&scene, 4), 0.1);
 }
 
-/// Errors over the stated standard deviations, and of the onset in sampling periods.
+/// Errors in stated standard deviations, and of the onset in sampling periods.
 #[derive(Default)]
 struct Errors {
     coefficients: [Vec<f64>; 2],
@@ -183,7 +184,7 @@ impl Errors {
     }
 }
 
-/// Days of DFF8-13 without a break that end at the end of a month.
+/// Runs days of DFF8-13 without interruption, up to the end of a month.
 fn days(days: u32) {
     const MONTH: u32 = 30 * 86_400 * 16;
     let scene = Scene { duration_s: 86_400.0 * f64::from(days), ..scenes::stored("dff8-13") };
@@ -194,7 +195,7 @@ fn days(days: u32) {
     let (events, truths) = (&both.events.0, run.events());
     let part = events.len() / if days > 1 { days as usize } else { 12 };
     let errors = |events: &[Event]| Errors::new(events, first_index, truths, scene.rate_hz);
-    // The first events still learn.
+    // The first events are left out, because the model still learns.
     let (first, last) = (errors(&events[20..part]), errors(&events[events.len() - part..]));
     println!(
         "| part | events | mu_s rms | mean | within 95 % | mu rms | mean | within 95 % | onset |"
@@ -215,8 +216,8 @@ fn days(days: u32) {
     means(&both, &scene);
 }
 
-/// The means over all events, in their standard errors: from the truth, and from those
-/// in double precision.
+/// Checks the means over all events: deviations from the truth and from double precision, in
+/// standard errors.
 fn means(both: &Both, scene: &Scene) {
     let (single, double) = (both.single.report(), both.double.report());
     for (name, single, double, truth) in
@@ -232,7 +233,7 @@ fn means(both: &Both, scene: &Scene) {
             single.events
         );
         assert!(error.abs() < 4.0);
-        // The report's own last digit, and two hundredths of the error.
+        // Rounding of the report, plus two hundredths of the error.
         let digit = 0.5 * f64::from(f32::EPSILON) * truth;
         assert!((mean - double.mean).abs() < digit + LIMIT * std_error);
     }
@@ -254,14 +255,14 @@ fn pauses_of_up_to_a_day_cost_nothing() {
     pauses(&[60.0, 3600.0, 86_400.0]);
 }
 
-/// More than 2²⁴ samples.
+/// A pause of more than 2²⁴ samples.
 #[test]
 #[ignore = "41 million samples"]
 fn a_pause_of_twenty_days_costs_nothing() {
     pauses(&[20.0 * 86_400.0]);
 }
 
-/// The winch pauses between pulls of a minute.
+/// Pauses of the winch between pulls of a minute.
 fn pauses(stops_s: &[f64]) {
     println!("{TABLE}");
     for stop_s in stops_s {
@@ -287,8 +288,7 @@ fn pauses(stops_s: &[f64]) {
     }
 }
 
-/// A winch that turns twice as fast from one moment on: a few events do not fit what was
-/// learnt, the others do.
+/// A winch that doubles its speed: a few events do not fit the learnt parameters, all others do.
 #[test]
 fn a_change_of_speed_is_followed() {
     let slow = Scene { duration_s: 900.0, ..scenes::stored("dff8-13") };
@@ -312,8 +312,8 @@ fn a_change_of_speed_is_followed() {
     }
 }
 
-/// A million events: the mean, its error and the spread are those of two passes over
-/// all of them, to the last digit of the report.
+/// For a million events, mean, error and spread equal those of two passes over all of them, to the
+/// last digit of the report.
 #[test]
 fn a_million_events() {
     let mut random = Normal::new(1);
@@ -326,7 +326,7 @@ fn a_million_events() {
     }
     let n = values.len() as f64;
     let sum = |f: &dyn Fn(&(f64, f64)) -> f64| values.iter().map(f).sum::<f64>();
-    // Sums of small differences: a plain sum of them loses nothing here.
+    // A plain sum of small differences is accurate here.
     let mean = 0.78 + sum(&|v| v.0 - 0.78) / n;
     let between = sum(&|v| (v.0 - mean).powi(2)) / (n - 1.0) - sum(&|v| v.1) / n;
     let weights = sum(&|v| 1.0 / v.1);

@@ -1,4 +1,4 @@
-//! A block on the tripod: what it weighs, how sure that is, and when there is no answer.
+//! Weighing a block on the tripod: result, uncertainty, and reasons for no result.
 
 use floe::sim::terms::Weighing as Hanging;
 use floe::sim::{Measurement, Scene, simulate};
@@ -8,7 +8,7 @@ const WEIGHT_N: f64 = 630.0;
 const SEEDS: std::ops::Range<u64> = 1..121;
 const GRAVITY: f64 = 9.80665;
 
-/// 630 N that swings, with white noise of 2 N.
+/// A swinging block of 630 N, with white noise of 2 N.
 fn hanging(swing_deg: f64, period_s: f64, damping_per_s: f64, duration_s: f64) -> Scene {
     let length_m = GRAVITY * (period_s / std::f64::consts::TAU).powi(2);
     Scene {
@@ -37,7 +37,7 @@ fn load(forces: impl IntoIterator<Item = f32>) -> Result<Load, Unrest> {
     rest(forces).and_then(|rest| rest.load(0.0))
 }
 
-/// Root-mean-square error as a part of the weight, and the errors over their stated std.
+/// Root-mean-square error relative to the weight, and errors in stated standard deviations.
 fn errors(scene: &Scene) -> (f64, Vec<f64>) {
     let all: Vec<(f64, f64)> = SEEDS
         .map(|seed| {
@@ -50,9 +50,9 @@ fn errors(scene: &Scene) -> (f64, Vec<f64>) {
     (rms, all.iter().map(|(error, std)| error / std).collect())
 }
 
-/// Seeds 1 to 120; the errors over their stated standard deviation are to be those of a
-/// normal distribution: 95 % within two, so that 107 of 120 or fewer are one chance in 200.
-/// Without a swing the stated one is wider, by what one that is not seen might add.
+/// With seeds 1 to 120 the errors in stated standard deviations must be normally distributed: 95 %
+/// within two, so 107 of 120 or fewer have a chance of one in 200. Without a swing the stated
+/// deviation is wider, because it includes an undetected swing.
 #[test]
 fn a_swinging_block_is_weighed_to_a_fiftieth_of_a_percent() {
     println!("swing                       rms, %   within 2 std    rms of error / std");
@@ -79,7 +79,7 @@ fn period_amplitude_and_excess_are_found() {
         let swing = load.swing.expect("it is seen");
         let amplitude = swing_deg.to_radians();
         let expected = WEIGHT_N * amplitude * amplitude / 4.0;
-        // A pendulum of finite amplitude is slower.
+        // The period grows with the amplitude of a pendulum.
         let slower = period_s * (1.0 + amplitude * amplitude / 16.0);
         assert!((f64::from(swing.period_s) / slower - 1.0).abs() < 3e-3, "{swing:?}");
         assert!((f64::from(swing.amplitude_rad) / amplitude - 1.0).abs() < 0.08, "{swing:?}");
@@ -87,7 +87,7 @@ fn period_amplitude_and_excess_are_found() {
     }
 }
 
-/// A swing too small to be seen has neither period nor amplitude.
+/// A swing too small to be detected has neither period nor amplitude.
 #[test]
 fn noise_is_no_swing() {
     let seen = |seed| load(forces(&hanging(0.0, 2.0, 0.0, 60.0), seed)).unwrap().swing;
@@ -101,7 +101,7 @@ fn it_grows_sharper() {
     assert!(std(16) < std(9) && std(32) < std(16) && std(64) < std(32));
 }
 
-/// 0.1 N a second, 1 % a minute.
+/// Drift of 0.1 N per second, 1 % per minute.
 #[test]
 fn a_drift_is_refused() {
     for seed in SEEDS {
@@ -114,7 +114,7 @@ fn a_drift_is_refused() {
     }
 }
 
-/// Somebody leans on the block for the second half, or takes it off.
+/// A person leans on the block during the second half, or takes it off.
 #[test]
 fn a_step_is_refused() {
     for step in [2.0, -20.0, -630.0] {
@@ -124,7 +124,7 @@ fn a_step_is_refused() {
     }
 }
 
-/// A pull over ice is no weighing.
+/// Stick and slip on the ice is no load at rest.
 #[test]
 fn stick_slip_is_refused() {
     for winch_m_per_s in [0.0157, 0.008, 0.004] {
@@ -143,13 +143,13 @@ fn a_swing_of_twenty_degrees_is_refused() {
     assert_eq!(wide, Err(Unrest::Moves));
 }
 
-/// What happened in a quarter of a second without readings is not known.
+/// A quarter of a second without readings restarts the record.
 #[test]
 fn a_gap_begins_again() {
     let forces = forces(&hanging(5.0, 2.0, 0.0, 60.0), 2);
     let mut weighing = Weighing::new(16.0);
     for (i, &force_n) in forces.iter().enumerate() {
-        // Single readings that fail are left out.
+        // Single failed readings are left out.
         let failed = i % 7 == 3 || (600..608).contains(&i);
         weighing.add((!failed).then_some(force_n));
     }
@@ -158,7 +158,7 @@ fn a_gap_begins_again() {
     assert!((f64::from(load.value) - WEIGHT_N).abs() < 4.0 * f64::from(load.std), "{load:?}");
 }
 
-/// Converter codes far from zero, either polarity: the same digits.
+/// Codes far from zero, of either polarity, give the same digits.
 #[test]
 fn codes_do_as_well_as_newtons() {
     let newtons = forces(&hanging(5.0, 2.0, 0.0, 40.0), 4);
@@ -173,7 +173,7 @@ fn codes_do_as_well_as_newtons() {
     }
 }
 
-/// Any rate, from one reading a second to 2000.
+/// Any sampling rate from 2 to 1000 Hz.
 #[test]
 fn any_rate() {
     for rate_hz in [2.0, 10.0, 50.0, 100.0, 1000.0] {

@@ -1,5 +1,5 @@
-//! What somebody says of the winch on the console: the board and every replay of its card know then
-//! whether the block moved while the force was constant.
+//! Marks of the winch on the console: with them the board and every replay of its card know whether
+//! the block moved during a constant force.
 
 use std::io::Cursor;
 
@@ -17,11 +17,12 @@ const BEGIN: &str = "set weight 630\r\nset span 5000\r\nlive off\r\nstart\r\n";
 const HELD_AT: u64 = 600;
 const TURNS_AT: u64 = 900;
 const STOP: u64 = 1201;
-/// Samples by which a constant force may end before the moment itself: it is followed in seconds.
+/// Samples by which the end of a constant force may precede the mark: the force is followed second
+/// by second.
 const WITHIN: u32 = 32;
 
-/// Slips for twenty seconds, then a force of 500 N; somebody says in it that the winch is held, then that
-/// it turns.
+/// Slips for twenty seconds, then a force of 500 N, during which the winch is marked as held, then
+/// as moving.
 fn session(card: &Card) -> Session {
     let slips = stick_slip(320);
     let constant = (0..900).map(|i| 5000 * 500 + (i * 7919) % 8192);
@@ -31,7 +32,8 @@ fn session(card: &Card) -> Session {
     run(LoadCell::from_codes(&codes, 16.0).with_noise(12.0, 5), Schedule::default(), card, &script)
 }
 
-/// Where constant forces end, samples, and whether the block moved in them, as the board says.
+/// Ends of constant forces, in samples, and whether the block moved in them, as reported by the
+/// board.
 fn ends(board: &Session) -> Vec<(u32, Option<bool>)> {
     let end = |line| {
         let Line::Stretch(Stretch { stop, kind, .. }) = line else { return None };
@@ -51,7 +53,7 @@ fn the_board_knows_whether_the_block_moved() {
         panic!("{marks:?}")
     };
     assert!(held.abs_diff(HELD_AT as u32) < 4 && turns.abs_diff(TURNS_AT as u32) < 4, "{marks:?}");
-    // Nobody knew before the first word.
+    // The state of the winch is unknown before the first mark.
     let [(first, None), (second, Some(false)), (last, Some(true))] = ends(&board)[..] else {
         panic!("{:?}", ends(&board))
     };

@@ -1,5 +1,5 @@
-//! Zero, span and self-test on the console: what is said of a load that swings, a cell that is
-//! reversed, overloaded or hardly used, and of a board that does not know the time.
+//! Zero, span and self-test on the console: messages on a swinging load, on a cell that is
+//! reversed, overloaded or hardly used, and on a board whose clock is not set.
 
 use floe::chip::{LoadCell, Schedule, Trouble};
 use floe_firmware::line::Line;
@@ -49,7 +49,7 @@ fn a_swinging_calibration_takes_the_excess_off() {
     let board = says(swinging(40.0), SPAN, &CALIBRATE);
     assert!(board.says("swing 4.") || board.says("swing 5."), "{}", board.screen);
     let span = f64::from(last_settings(&board).config.calibration.counts_per_n);
-    // A fiftieth of a percent is what a weighing reaches; the excess is a fifth of one.
+    // A weighing is accurate to a fiftieth of a percent; the excess is a fifth of one.
     assert!((span / SPAN - 1.0).abs() < 6e-4, "{span}");
 }
 
@@ -78,7 +78,7 @@ fn an_overloaded_cell_is_said() {
     assert!(board.says("OUT OF RANGE: overloaded, or a wire is off"), "{}", board.screen);
 }
 
-/// Two known weights: the line through both, and what disagrees.
+/// Two known weights: the span is fitted to both, and a disagreement is reported.
 #[test]
 fn two_weights_make_one_span() {
     let steps = |second_n: f64| {
@@ -100,7 +100,8 @@ fn two_weights_make_one_span() {
     assert!(bad.says("THE WEIGHTS DISAGREE"), "{}", bad.screen);
 }
 
-/// Half the codes per newton, or kilograms typed for newtons: asked before it is taken.
+/// Half the codes per newton, or kilograms typed for newtons, cause a question before they are
+/// accepted.
 #[test]
 fn another_cell_asks() {
     let script = [

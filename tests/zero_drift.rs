@@ -1,5 +1,5 @@
-//! A zero that drifts, in several ways: the intervals of the events hold the truth once a
-//! drift is seen, and friction that varies does not widen them.
+//! Several forms of a drifting zero: the events' intervals cover the truth once the drift is
+//! detected, and varying friction does not widen them.
 //!
 //! `cargo test -p floe-tests --test zero_drift -- --nocapture` prints the figures.
 
@@ -8,7 +8,7 @@ use floe::sim::terms::Variation;
 use floe_tests::score::{Score, run, run_with};
 
 const SEEDS: u64 = 12;
-/// Size of the drifts, N: 2.5 % of `Fs`, 4 % of `Fp`.
+/// Amplitude of the drifts, N: 2.5 % of `Fs`, 4 % of `Fp`.
 const SIZE_N: f64 = 20.0;
 const LENGTH_S: f64 = 300.0;
 
@@ -17,7 +17,7 @@ fn scene() -> Scene {
     Scene { duration_s: LENGTH_S, ..scene }
 }
 
-/// Least coverage of `mu_s` and of `mu`, and most, with a zero that depends on the time.
+/// Checks the coverage of `mu_s` and `mu` with a zero that depends on the time.
 fn check(name: &str, scene: &Scene, zero_n: impl Fn(f64) -> f64, (least, most): (f64, f64)) {
     let mut score = Score::default();
     (1..=SEEDS).for_each(|seed| score.add(&run_with(scene, seed, &zero_n)));
@@ -39,8 +39,8 @@ fn a_drift_of_any_kind_is_in_the_intervals() {
     check("step", &scene(), |t| if part(t) < 0.4 { 0.0 } else { SIZE_N }, (0.9, 0.995));
 }
 
-/// Friction that scatters by 2 % hides a drift of 3 % until the scatter averages out: the
-/// intervals of the events before that do not know of it.
+/// Friction with a scatter of 2 % hides a drift of 3 % until the scatter averages out: the
+/// intervals of earlier events do not include the drift.
 #[test]
 fn a_scatter_of_the_friction_hides_a_drift_for_a_while() {
     let vary = |fraction| {
@@ -54,7 +54,7 @@ fn a_scatter_of_the_friction_hides_a_drift_for_a_while() {
     }
 }
 
-/// The report says it, and only where there is something to say.
+/// The report states a drift only if there is one.
 #[test]
 fn the_report_says_how_far_the_zero_may_have_moved() {
     let told = |zero_n: &dyn Fn(f64) -> f64| run_with(&scene(), 3, zero_n).report;
@@ -63,7 +63,7 @@ fn the_report_says_how_far_the_zero_may_have_moved() {
     assert!((0.5 * SIZE_N..SIZE_N).contains(&zero_n), "{zero_n}");
     let steady = run(&scene(), 3).report;
     assert_eq!(steady.zero_n, None);
-    // The mean is off by half of what the zero has moved by in the end.
+    // The mean is wrong by half of the zero's final shift.
     let mean = drifted.mu.unwrap();
     let off = (f64::from(mean.mean) - 0.78) / f64::from(mean.combined_std().unwrap());
     assert!(off > 0.5 && off < 1.96, "{off}");

@@ -1,4 +1,4 @@
-//! The one trait a converter has to have.
+//! The interface between the logger and an analog-to-digital converter: the trait [`BridgeAdc`].
 
 use core::fmt;
 
@@ -25,18 +25,18 @@ pub enum Input {
 pub enum AdcFault {
     /// No answer within the bus's time limit.
     Silent,
-    /// It answers, but has no new conversion: it is stuck or too slow.
+    /// The converter answers, but has no new conversion: it is stuck or too slow.
     NotReady,
     /// The answer contradicts itself, or the bus reports an error.
     Garbled,
-    /// The same code again and again, whatever is converted.
+    /// The converter returns the same code repeatedly, whatever it converts.
     Stuck,
-    /// A register does not hold what was written: a brown-out, most likely.
+    /// A register does not hold the value that was written to it: most likely a brown-out.
     Registers,
 }
 
 impl AdcFault {
-    /// In words.
+    /// The fault as a phrase for the console and the log.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -64,8 +64,8 @@ impl From<AdcFault> for Reading {
     }
 }
 
-/// How cold the converter is, and what feeds it; `None` where it cannot tell, or has not
-/// been asked yet.
+/// Temperature and supply voltage of the converter. A value is `None` if the converter cannot
+/// measure it or has not been asked yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Climate {
     /// Temperature, 1/256 °C.
@@ -87,17 +87,17 @@ pub trait BridgeAdc {
     /// possible and the next conversion started: only this sample is lost.
     fn tick(&mut self) -> Result<Option<Counts>, AdcFault>;
 
-    /// Measures temperature or supply beside the next conversion, in turn, without losing
-    /// it. A converter that cannot does nothing.
+    /// Requests one measurement of temperature or supply voltage (alternately), made next to the
+    /// coming conversion without losing its sample. A converter without this ability does nothing.
     fn want_climate(&mut self) {}
 
-    /// What was measured beside the conversions.
+    /// The newest temperature and supply voltage.
     fn climate(&self) -> Climate {
         Climate::default()
     }
 
-    /// Measures something else from the next conversion on. A converter that
-    /// cannot leaves the bridge selected and returns `false`.
+    /// Selects the input of all following conversions. A converter that cannot switch inputs stays
+    /// on the bridge and returns `false`.
     fn select(&mut self, input: Input) -> bool {
         input == Input::Bridge
     }

@@ -1,4 +1,4 @@
-//! The main loop's work: samples to results, commands to deeds.
+//! The application of the main loop: processes samples and executes commands.
 
 use embedded_io::{Read, ReadReady, Write};
 use floe_core::{Phase, Pipeline, Provisional, Report};
@@ -26,34 +26,34 @@ mod test;
 use console::config_error;
 use test::Test;
 
-/// For a note or a mark without one.
+/// Answer to a note or a mark when no test is running.
 const NO_TEST: &str = "start a test first";
 
-/// Everything but the sampling interrupt and the board.
-// The small fields first: their distance from the beginning is a part of every instruction
-// that uses them, and a small one makes it a short one.
+/// State of the main loop: everything except the sampling interrupt and the board.
+// The small fields come first: a small offset from the beginning makes the instructions that access
+// a field short.
 #[expect(missing_debug_implementations, reason = "the queue has none")]
 #[repr(C)]
 pub struct App<'q, P, S> {
     pipeline: &'q mut Option<Pipeline>,
     shared: &'q Shared,
     queue: SampleConsumer<'q>,
-    /// Whether the settings are somebody's, typed or those of a card.
+    /// Whether the settings were typed by the user or read from a card.
     is_set: bool,
     live: bool,
-    /// Whether the clock has been set and the board's calendar has not.
+    /// Whether the clock was set and the board's calendar has still to be set.
     is_new_time: bool,
-    /// Whether a test has ended since the zero was taken.
+    /// Whether a test has ended since the zero was measured.
     pulled: bool,
     clock_hz: u32,
-    /// Number of the newest sample.
+    /// Index of the newest sample.
     newest: u32,
     card: Option<CardState>,
     force_n: Option<f32>,
     warning: Option<&'static str>,
-    /// Stirred by every reading: what makes the identity of the next test.
+    /// Hash state from which the identity of the next test is taken; every reading changes it.
     dice: u64,
-    /// When the last sample on the card of a test that goes on was taken, ms since 1970.
+    /// When the last sample on the card was taken, ms since 1970 (UTC), if its test is resumed.
     left_ms: Option<u64>,
     part: Part,
     period: PeriodMeter,
@@ -74,22 +74,22 @@ enum Job {
     SelfTest(SelfTest),
 }
 
-/// What a display shows.
+/// Values for the display.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Force now, N.
+    /// Current force, N.
     pub force_n: Option<f32>,
-    /// Rate of the force during a test, N/s, two samples late.
+    /// Rate of the force during a test, N/s, delayed by two samples.
     pub rate_n_per_s: Option<f32>,
-    /// The weight so far, while the block is weighed.
+    /// Newest result of the weighing while the block is weighed.
     pub weighed: Option<Weighed>,
     /// Time of day, ms since 1970 (UTC), if the clock is set.
     pub unix_ms: Option<u64>,
-    /// The result so far, while a test is running.
+    /// Result so far while a test is running.
     pub report: Option<Report>,
-    /// What the block is doing.
+    /// Phase of the block's motion.
     pub phase: Phase,
-    /// A first answer on the newest slip, until its event.
+    /// First answer on the newest slip, until its event is complete.
     pub provisional: Option<Provisional>,
     /// The state of the board.
     pub health: Health,
@@ -98,8 +98,8 @@ pub struct View {
 }
 
 impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
-    /// Touches nothing yet. The pipeline's place is the caller's: it is most of the
-    /// memory, and should not travel.
+    /// Does not access the hardware yet. The caller provides the pipeline's memory, because the
+    /// pipeline is most of the program's RAM and must not be moved.
     #[inline]
     pub fn new(
         queue: SampleConsumer<'q>,
@@ -135,16 +135,16 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
     }
 
-    /// Takes the samples that wait, and does what was typed. Returns the number of samples: if
-    /// there were any, it is the turn of the display or of the card ([`App::tend`]).
+    /// Processes the waiting samples and the typed commands. Returns the number of samples: if it
+    /// is not zero, the caller updates the display or the card ([`App::tend`]) next.
     pub fn turn(&mut self) -> u32 {
         let mut samples = 0;
         while let Some(sample) = self.queue.dequeue() {
             self.take(sample);
             samples += 1;
         }
-        // No line while a sample waits: a port that talks without a pause (one that repeats
-        // what it hears, say) must not keep the samples from being taken.
+        // Read no line while a sample waits: a port that delivers without a pause (for example one
+        // that echoes its input) must not delay the samples.
         while !self.has_samples()
             && let Some(typed) = self.console.poll()
         {
@@ -153,19 +153,19 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         samples
     }
 
-    /// Something of the board that whoever reads a test has to know: said now and
-    /// in every test.
+    /// Reports a defect of the board, now and in every later test, because it matters to every
+    /// reader of a test.
     pub fn warn(&mut self, words: &'static str) {
         self.warning = Some(words);
         self.trouble(words);
     }
 
-    /// Whether a sample waits.
+    /// Whether a sample waits in the queue.
     pub fn has_samples(&self) -> bool {
         self.queue.ready()
     }
 
-    /// What a display should show now.
+    /// Values for the display at this moment.
     pub fn view(&self) -> View {
         let test = match &self.job {
             Job::Test(test) => Some(test),
@@ -188,12 +188,12 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
     }
 
-    /// The result so far, while a test is running.
+    /// Result so far, while a test is running.
     fn report(&self) -> Option<Report> {
         self.pipeline.as_ref().filter(|_| self.testing()).map(Pipeline::report)
     }
 
-    /// The card.
+    /// Storage of the journal's sectors.
     pub fn store(&self) -> &S {
         self.journal.store()
     }
@@ -234,14 +234,14 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             Err(fault) => {
                 self.health.adc_faults = self.health.adc_faults.wrapping_add(1);
                 log::warn!("sample {}: {}", sample.index, fault);
-                // While a fault lasts it is said once a second, with every change.
+                // A lasting fault is reported once a second: every 16th faulty reading.
                 self.adc_trouble(sample, fault);
             }
         }
     }
 
-    /// A step of a multiplicative hash: the noise of the readings and the moments
-    /// at which somebody typed make it different everywhere.
+    /// One step of a multiplicative hash. Noise of the readings and the times of typing make its
+    /// value different on every board.
     #[inline(never)]
     fn stir(&mut self, what: u64) {
         const ODD: u64 = 0x9E37_79B9_7F4A_7C15;
@@ -290,7 +290,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.tell(&Line::Trouble(text));
     }
 
-    /// Says a line, and during a test writes it to the card too.
+    /// Sends a line to the console, and during a test to the card as well.
     fn tell(&mut self, line: &Line<'_>) {
         let Ok(text) = line.to_text() else { return };
         self.console.say(&text);

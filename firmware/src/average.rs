@@ -1,4 +1,4 @@
-//! The mean of some readings: taring, calibrating, self test.
+//! The mean of a few readings, for the self test.
 
 use heapless::Vec;
 
@@ -6,7 +6,7 @@ use crate::adc::Input;
 use crate::line::Mean;
 use crate::sample::Sample;
 
-/// Most readings that are averaged: two seconds.
+/// Largest number of averaged readings: two seconds.
 pub const MOST: usize = 32;
 
 /// Collects readings of one input.
@@ -19,13 +19,13 @@ pub struct Average {
 }
 
 impl Average {
-    /// Wants so many readings, at most [`MOST`].
+    /// Averages `wanted` readings, at most [`MOST`].
     #[must_use]
     pub fn new(input: Input, wanted: usize) -> Self {
         Self { input, wanted: wanted.min(MOST), codes: Vec::new(), failed: 0 }
     }
 
-    /// Takes a sample; gives the mean when there are enough, or too many failed.
+    /// Takes a sample; returns the mean after enough readings or too many failures.
     pub fn add(&mut self, sample: &Sample) -> Option<Mean> {
         if sample.input != self.input {
             return None;

@@ -1,10 +1,10 @@
 //! The log file on an SD card with a FAT file system.
 //!
-//! The file is made once, full of zeros, and then only written in place, one
-//! 512-byte block per sector: no metadata changes while logging, so that pulling
-//! the battery can cost a sector but never the file system. A board whose card is slow
-//! makes it in steps, while it logs already; until it is whole a power cut can leave a
-//! chain longer than the file, which any file system check mends.
+//! The file is created once, filled with zeros and then only written in place, one 512-byte block
+//! per sector. No metadata change while logging, so that loss of power can cost a sector but never
+//! the file system. For a slow card the board extends the file in steps while it already logs;
+//! until it is complete, a power cut can leave a cluster chain longer than the file, which any file
+//! system check repairs.
 
 use embedded_sdmmc::{BlockDevice, Mode, RawDirectory, RawFile, RawVolume, TimeSource, Timestamp};
 use embedded_sdmmc::{VolumeIdx, VolumeManager};
@@ -16,19 +16,19 @@ use crate::store::{CardState, Store, StoreError};
 /// Name of the file.
 const FILE: &str = "FLOE.LOG";
 
-/// A card that is not there, or that nothing was written to meanwhile, is looked at after so
-/// many calls: it may have been put in, taken out or exchanged.
+/// Calls between two checks of a card that is missing or to which nothing was written in between:
+/// it may have been inserted, removed or exchanged.
 const CALLS: u32 = 16;
 
-/// Handles are counted from here; any number will do.
+/// First number of the handles; its value does not matter.
 const FIRST_HANDLE: u32 = 0;
 
-/// The card.
+/// Storage of sectors in the log file on a card.
 #[expect(missing_debug_implementations, reason = "the volume manager has none")]
 pub struct CardLog<D: BlockDevice> {
     open: Option<Open>,
     state: CardState,
-    /// Sectors of the whole file, of those that are there, of a step.
+    /// Number of sectors of the complete file, sectors present, and sectors per step.
     sectors: u32,
     made: u32,
     step: u32,
@@ -37,7 +37,7 @@ pub struct CardLog<D: BlockDevice> {
     volumes: Volumes<D>,
 }
 
-/// One directory, one file and one volume are open at a time.
+/// File system driver with one open directory, file and volume.
 type Volumes<D> = VolumeManager<Media<D>, NoClock, 1, 1, 1>;
 
 struct Open {
@@ -46,7 +46,7 @@ struct Open {
     file: RawFile,
 }
 
-/// The board has no calendar: files carry the first date that FAT knows.
+/// Time source of the file system: always the earliest date of FAT.
 #[derive(Clone, Copy, Debug)]
 struct NoClock;
 
@@ -66,8 +66,8 @@ impl TimeSource for NoClock {
 type Error<D> = embedded_sdmmc::Error<<D as BlockDevice>::Error>;
 
 impl<D: BlockDevice> CardLog<D> {
-    /// A log of so many sectors (a half second each). The card is looked for when
-    /// its last record is asked for, and again when something is to be written.
+    /// A log of `sectors` sectors (half a second each). The card is opened when the last record is
+    /// read, and again by [`Store::tend`] if that fails.
     #[inline]
     pub fn new(device: D, sectors: u32) -> Self {
         let volumes = Volumes::new_with_limits(Media::new(device), NoClock, FIRST_HANDLE);
@@ -75,7 +75,7 @@ impl<D: BlockDevice> CardLog<D> {
         Self { volumes, open, state, sectors, made: 0, step: sectors, next: 0, calls: 0 }
     }
 
-    /// The file is made longer by so many sectors at a time.
+    /// Extends the file by `sectors` sectors per step.
     #[must_use]
     pub fn in_steps_of(self, sectors: u32) -> Self {
         Self { step: sectors, ..self }
@@ -104,7 +104,7 @@ impl<D: BlockDevice> CardLog<D> {
     }
 
     fn try_open(&mut self) -> Result<Open, CardState> {
-        // What is remembered of another card is forgotten.
+        // Discards what was read from another card.
         self.volumes.device(|media| media.look())?;
         let volume = self.volumes.open_raw_volume(VolumeIdx(0)).map_err(|_| CardState::NotFat)?;
         let root = self.volumes.open_root_dir(volume).map_err(|_| {
@@ -124,11 +124,11 @@ impl<D: BlockDevice> CardLog<D> {
     fn open_file(&mut self, root: RawDirectory) -> Result<RawFile, Error<D>> {
         let mode = Mode::ReadWriteCreateOrAppend;
         let file = self.volumes.open_file_in_dir(root, FILE, mode)?;
-        // Making it was cut short, or has not begun.
+        // The file may be new, or its extension was interrupted.
         match self.measure(file).and_then(|()| self.lengthen(file)) {
             Ok(()) => Ok(file),
             Err(error) => {
-                // Its directory and tables may be broken: nothing more is written to them.
+                // Directory and tables may be broken: nothing more is written to them.
                 self.volumes.device(|media| media.shut());
                 let _ = self.volumes.close_file(file);
                 Err(error)
@@ -136,8 +136,8 @@ impl<D: BlockDevice> CardLog<D> {
         }
     }
 
-    /// How long the file is. Whether there is room for the rest is asked first: to look for it
-    /// in the whole table of a large card that is full takes longer than the watchdog waits.
+    /// Reads the length of the file. Free space is checked by the file system's own count first,
+    /// because scanning the table of a large full card takes longer than the watchdog allows.
     fn measure(&mut self, file: RawFile) -> Result<(), Error<D>> {
         self.made = self.volumes.file_length(file)? / SECTOR_LEN as u32;
         let missing = self.sectors.saturating_sub(self.made);
@@ -148,7 +148,7 @@ impl<D: BlockDevice> CardLog<D> {
         Ok(())
     }
 
-    /// Makes the file a step longer, if it is not whole.
+    /// Extends the file by one step unless it is complete.
     fn lengthen(&mut self, file: RawFile) -> Result<(), Error<D>> {
         if self.made >= self.sectors {
             return Ok(());
@@ -174,8 +174,8 @@ impl<D: BlockDevice> CardLog<D> {
         };
     }
 
-    /// The card is gone, or does not do what it should. Another may be there already: what is
-    /// written when the file is closed belongs to the directory of the one before.
+    /// Closes the card after an error. Writing is blocked first: another card may be in the slot,
+    /// and closing the file would write the old card's directory to it.
     fn give_up(&mut self) {
         self.volumes.device(|media| media.shut());
         self.close();
@@ -183,9 +183,9 @@ impl<D: BlockDevice> CardLog<D> {
         self.calls = 0;
     }
 
-    /// First sector that was never written. Sectors are written in order, so
-    /// halving finds it; a damaged one in the middle still counts as written. `None`: one that
-    /// tells cannot be read; taken for empty, the tests behind it would be written over.
+    /// First sector that was never written, by bisection, since sectors are written in order. A
+    /// single damaged sector counts as written if the next one is. `None` if a needed sector cannot
+    /// be read: taken for empty, it would let tests behind it be overwritten.
     fn find_end(&mut self) -> Option<u32> {
         let (mut low, mut high) = (0, self.made);
         while low < high {
@@ -199,7 +199,7 @@ impl<D: BlockDevice> CardLog<D> {
         Some(low)
     }
 
-    /// `None`: it cannot be read.
+    /// Whether a sector was written; `None` if it cannot be read.
     fn is_used(&mut self, sector: u32) -> Option<bool> {
         if sector >= self.made {
             return Some(false);
@@ -230,7 +230,7 @@ impl<D: BlockDevice> Store for CardLog<D> {
         let newest = self.next.checked_sub(1)?;
         let mut near = (newest.saturating_sub(4)..=newest).rev();
         let mut last = near.find_map(|sector| Record::decode(&self.read(sector)?).ok())?;
-        // A test that has filled the log has nowhere to go on.
+        // A test that has filled the log cannot be resumed.
         last.running &= self.next < self.sectors;
         Some(last)
     }
@@ -248,7 +248,7 @@ impl<D: BlockDevice> Store for CardLog<D> {
             },
             _ if !is_due => {}
             None if self.state != CardState::NoRoom => self.ensure_open(),
-            // Nothing is written to it: is it still there?
+            // Without writes, check that the card is still present.
             _ if self.volumes.device(|media| media.look()).is_err() => self.give_up(),
             _ => {}
         }

@@ -1,4 +1,4 @@
-//! What a user can say.
+//! Commands that a user types on the console.
 
 use floe_core::{Effect, Effects};
 use heapless::String;
@@ -18,32 +18,32 @@ mod number;
 pub enum Setting {
     /// `set WHAT X`: one number.
     Number(Quantity, f32),
-    /// `set tare C`: code at zero force.
+    /// `set tare C`: converter code at zero force.
     Tare(i32),
     /// `set name WORDS`: name of the test.
     Name(String<NAME_LEN>),
     /// `set kind WORD`: how the block is pulled.
     Kind(Kind),
-    /// `set track WORD`: the ice under it.
+    /// `set track WORD`: the ice under the block.
     Track(Track),
-    /// `set size L W H`: of the block, m.
+    /// `set size L W H`: length, width and height of the block, m.
     Size([f32; 3]),
-    /// `set cable L [AE]`: its length, m, and its stiffness times that, N.
+    /// `set cable L [AE]`: length of the cable, m, and stiffness times length, N.
     Cable(f32, Option<f32>),
     /// `set weight-from same_cell|other`: what weighed the block.
     WeightFrom(WeightFrom),
-    /// `set effects auto|none|NAME,NAME`: what the core looks for beyond the linear model.
+    /// `set effects auto|none|NAME,NAME`: effects beyond the linear model that the core looks for.
     Effects(Effects),
 }
 
-/// What is set as one number.
+/// A setting with one number as its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Weight of the block, N.
     Weight,
-    /// Slope of the ice, uphill positive; degrees, in a [`Setting`] rad.
+    /// Slope of the ice, uphill positive; typed in degrees, stored in rad.
     Slope,
-    /// The winch's speed, m/s, or 0 if unknown.
+    /// Speed of the winch, m/s, or 0 if unknown.
     Winch,
     /// Largest force of the load cell, N, or 0 if unknown.
     Range,
@@ -51,17 +51,17 @@ pub enum Quantity {
     Span,
     /// Depth of the snow, mm.
     Snow,
-    /// One standard deviation of the weight, N; 0: exactly known.
+    /// Standard deviation of the weight, N; 0: known exactly.
     WeightStd,
-    /// Of the slope; degrees, in a [`Setting`] rad.
+    /// Standard deviation of the slope; typed in degrees, stored in rad.
     SlopeStd,
-    /// Of the load cell's zero, N.
+    /// Standard deviation of the load cell's zero, N.
     ZeroStd,
-    /// Of its span; percent, in a [`Setting`] a part of it.
+    /// Relative standard deviation of the load cell's span; typed in percent, stored as a fraction.
     SpanStd,
-    /// Of the cable's damping, a part of the critical one.
+    /// Standard deviation of the swing's damping ratio.
     DampingStd,
-    /// Of the winch's speed, m/s.
+    /// Standard deviation of the winch's speed, m/s.
     WinchStd,
 }
 
@@ -81,7 +81,7 @@ impl Quantity {
         (Self::WinchStd, "winch-std"),
     ];
 
-    /// As it is computed with, of what somebody types.
+    /// Converts a typed value to the unit of the computation.
     fn of(self, typed: f32) -> Result<f32, &'static str> {
         match self {
             Self::Slope | Self::SlopeStd => Ok(typed.to_radians()),
@@ -104,19 +104,19 @@ pub enum Command {
     Stop,
     /// `status`: settings, health and the result so far.
     Status,
-    /// `live on` and `live off`: samples as they come.
+    /// `live on` and `live off`: whether samples are sent as they come.
     Live(bool),
-    /// `tare`, `calibrate N` and `weigh`: measures what hangs there.
+    /// `tare`, `calibrate N` and `weigh`: measures the load on the hook.
     Measure(Task),
-    /// `accept`: use what was measured.
+    /// `accept`: stores the result of the measurement.
     Accept,
-    /// `abort`: forget it, or whatever is being measured.
+    /// `abort`: discards the measurement in progress.
     Abort,
-    /// `note WORDS`: written down with the test.
+    /// `note WORDS`: a note stored with the test.
     Note(String<INPUT_LEN>),
-    /// `winch moving` and `winch held`: from now on.
+    /// `winch moving` and `winch held`: state of the winch from now on.
     Winch(Winch),
-    /// `clock`: what time is it; `clock 2027-03-02T10:15:00Z`: it is this.
+    /// `clock`: shows the time; `clock 2027-03-02T10:15:00Z`: sets it.
     Clock(Option<Moment>),
     /// `self-test`.
     SelfTest,
@@ -131,10 +131,10 @@ set weight|slope|zero|span|damping|winch-std X; set weight-from same_cell|other;
 start; stop; status; live on|off";
 
 impl Command {
-    /// Reads a line; words are separated by spaces.
+    /// Parses a line of words separated by spaces.
     ///
     /// # Errors
-    /// What to do instead, in words.
+    /// Advice on the correct form, as a phrase.
     pub fn parse(line: &str) -> Result<Self, &'static str> {
         let (verb, rest) = first_word(line);
         let rest_is = |command: Self| match rest {
@@ -177,14 +177,14 @@ impl Command {
     }
 }
 
-/// The first word and all behind it.
+/// The first word, and the text after it.
 fn first_word(text: &str) -> (&str, &str) {
     let (word, rest) = cut(text.trim_ascii(), b' ');
     (word, rest.unwrap_or("").trim_ascii())
 }
 
-/// What is before the first mark, and what is behind it if there is one. The standard
-/// library's search is a faster one, and larger.
+/// The text before the first mark, and the text after it if there is a mark. The standard library's
+/// search is faster but larger.
 fn cut(text: &str, mark: u8) -> (&str, Option<&str>) {
     let end = text.bytes().position(|byte| byte == mark).unwrap_or(text.len());
     let (before, rest) = text.split_at_checked(end).unwrap_or((text, ""));
@@ -220,7 +220,7 @@ impl Setting {
     }
 }
 
-/// All that this program has, none, or those that are named.
+/// Effects by name, or all compiled in (`auto`), or none.
 fn effects(text: &str) -> Result<Effects, &'static str> {
     match text {
         "auto" => Ok(Effects::COMPILED),
@@ -239,14 +239,14 @@ fn named(names: &str) -> Option<Effects> {
     Some(set)
 }
 
-/// Length, width and height.
+/// Length, width and height of the block.
 fn sizes(text: &str) -> Result<[f32; 3], &'static str> {
     let (length, rest) = first_word(text);
     let (width, height) = first_word(rest);
     Ok([size(length)?, size(width)?, size(height)?])
 }
 
-/// Only what can stand in a line's field.
+/// A name of letters that the field of a line can hold.
 fn name(text: &str) -> Result<String<NAME_LEN>, &'static str> {
     match String::try_from(text) {
         Ok(name) if text.bytes().all(fits_name) => Ok(name),

@@ -1,4 +1,4 @@
-//! The serial line to the user: lines in, lines out.
+//! The serial console: reads lines and sends lines.
 
 use embedded_io::{Read, ReadReady, Write};
 use heapless::String;
@@ -8,11 +8,11 @@ use crate::line::Line;
 /// Longest command.
 pub const INPUT_LEN: usize = 80;
 
-/// What a port gives instead of characters that it had no room for (ASCII's *cancel*): the line that
-/// has it is none.
+/// Character (ASCII *cancel*) that a port delivers in place of lost characters; a line that
+/// contains it is discarded.
 pub const LOST: u8 = 0x18;
 
-/// A port, and the line that is being typed.
+/// A port, and the line being typed.
 #[derive(Debug)]
 pub struct Console<P> {
     port: P,
@@ -20,23 +20,22 @@ pub struct Console<P> {
     too_long: bool,
 }
 
-/// What was typed.
+/// Input of the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Typed {
-    /// A line, without its end, never empty.
+    /// A complete line without its end, never empty.
     Line(String<INPUT_LEN>),
-    /// A line too long to be a command, or for the port; it was thrown away.
+    /// A line that was too long for a command or for the port, and was discarded.
     TooLong,
 }
 
 impl<P: Read + ReadReady + Write> Console<P> {
-    /// Nothing typed yet.
+    /// A console without input yet.
     pub fn new(port: P) -> Self {
         Self { port, input: String::new(), too_long: false }
     }
 
-    /// The next line, if it is complete. CR, LF and both together end a line.
-    /// A port that fails has nothing to say.
+    /// The next complete line; CR, LF or both end a line. A port that fails delivers no input.
     pub fn poll(&mut self) -> Option<Typed> {
         while self.port.read_ready().unwrap_or(false) {
             let mut byte = [0];
@@ -64,19 +63,19 @@ impl<P: Read + ReadReady + Write> Console<P> {
             BACKSPACE | DELETE => drop(self.input.pop()),
             LOST => self.too_long = true,
             b' '..=b'~' => self.too_long |= self.input.push(char::from(byte)).is_err(),
-            // Whatever a line picks up when it is plugged in.
+            // Other bytes, such as noise when the cable is plugged in.
             _ => {}
         }
         None
     }
 
-    /// Sends a line. A port that fails loses it: the card has it too.
+    /// Sends a line. If the port fails the line is lost here, but the card has it too.
     pub fn say(&mut self, text: &str) {
         let _ = self.port.write_all(text.as_bytes());
         let _ = self.port.write_all(b"\r\n");
     }
 
-    /// Sends a message that is not for the card.
+    /// Sends a message that does not go to the card.
     pub fn tell(&mut self, line: &Line<'_>) {
         if let Ok(text) = line.to_text() {
             self.say(&text);
@@ -89,7 +88,7 @@ mod tests {
     use super::*;
     use core::convert::Infallible;
 
-    /// What was typed, and nobody who listens.
+    /// A port with fixed input; its output is discarded.
     struct Port<'a>(&'a [u8]);
 
     impl embedded_io::ErrorType for Port<'_> {
@@ -118,7 +117,7 @@ mod tests {
         }
     }
 
-    /// Two halves of lines never make a third one.
+    /// A line with lost characters is not joined with the next one.
     #[test]
     fn a_line_that_the_port_has_lost_some_of_is_none() {
         let mut console = Console::new(Port(b"set snow 1\nset snow\x18eight 56\nset snow 2\n"));

@@ -1,4 +1,4 @@
-//! The field display: 128 × 64 points, readable with gloves on.
+//! The field display: 128 × 64 pixels, readable with gloves on.
 
 use core::ops::Range;
 
@@ -13,13 +13,13 @@ mod rows;
 use crate::app::View;
 pub use rows::{Row, rows};
 
-/// Points of a letter.
+/// Size of a letter, pixels.
 const WIDTH: i32 = 6;
 const HEIGHT: i32 = 10;
 
-/// Where a row is, how large its letters are, and the lines of a letter that are its own:
-/// the first of the ten is free in this font, and the last of the large ones, which has
-/// no comma or g, would be in the next row.
+/// Position and magnification of a row of text, and the pixel lines of a letter that are drawn. The
+/// first of the ten lines is empty in this font. The last of large letters would overlap the next
+/// row, and is empty too without a comma or g.
 struct Place {
     top: i32,
     zoom: i32,
@@ -33,7 +33,7 @@ const fn small(top: i32) -> Place {
     Place { top, zoom: 1, lines: 1..HEIGHT }
 }
 
-/// What the display shows: only what differs from that is drawn, and sent.
+/// The contents of the display; only differences from them are drawn and sent.
 #[derive(Debug, Default)]
 pub struct Picture {
     rows: [Row; 6],
@@ -41,11 +41,11 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Draws force, state, coefficients and health over what is shown; the first picture
-    /// over nothing.
+    /// Draws the changes from the current contents to a view; the first picture is drawn on an
+    /// empty display.
     ///
     /// # Errors
-    /// The display's own.
+    /// An error of the display.
     pub fn draw<D>(&mut self, target: &mut D, view: &View) -> Result<(), D::Error>
     where
         D: DrawTarget<Color = BinaryColor>,
@@ -64,18 +64,18 @@ impl Picture {
     }
 }
 
-/// The rate of the force: a point for each half of a decade from 10 N/s on, negative where
-/// it falls.
+/// Length of the bar for a rate of the force, pixels: one per half decade from 10 N/s, negative for
+/// a falling force.
 fn bar(rate_n_per_s: f32) -> i32 {
     const STEPS: [f32; MOST as usize] = [10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 10_000.0];
     let points = STEPS.iter().filter(|&&step| rate_n_per_s.abs() >= step).count() as i32;
     if rate_n_per_s > 0.0 { points } else { -points }
 }
 
-/// Most points of the bar.
+/// Largest length of the bar, pixels.
 const MOST: i32 = 7;
 
-/// Up or down from the middle of the first row, at its right end.
+/// Draws the bar up or down from the middle of the first row, at its right end.
 fn draw_bar<D>(target: &mut D, points: i32) -> Result<(), D::Error>
 where
     D: DrawTarget<Color = BinaryColor>,
@@ -99,7 +99,7 @@ where
     target.draw_iter(core::iter::once(Pixel(point, colour)))
 }
 
-/// Writes the letters of a row that are not shown yet.
+/// Draws those letters of a row that differ from the letters shown.
 fn text<D>(target: &mut D, place: &Place, shown: &str, row: &str) -> Result<(), D::Error>
 where
     D: DrawTarget<Color = BinaryColor>,
@@ -128,9 +128,9 @@ where
     Ok(())
 }
 
-/// Is a point of a letter lit?
+/// Whether a pixel of a letter is lit.
 fn is_lit(letter: u8, x: i32, y: i32) -> bool {
-    // The font's picture begins with the space and has 16 letters a line.
+    // The font's image begins with the space and has 16 letters per line.
     let place = i32::from(letter) - i32::from(b' ');
     let point = Point::new(place % 16 * WIDTH + x, place / 16 * HEIGHT + y);
     FONT_6X10.image.pixel(point) == Some(BinaryColor::On)
@@ -164,7 +164,7 @@ mod tests {
         }
     }
 
-    /// The lit points of the display's left half.
+    /// The lit pixels of the display's left half.
     pub(super) fn picture(view: &View) -> Vec<Point> {
         let mut display = MockDisplay::new();
         display.set_allow_out_of_bounds_drawing(true);
@@ -200,7 +200,7 @@ mod tests {
         let drawn = |y| (0..64).any(|x| display.get_pixel(Point::new(x, y)).is_some());
         let lines: Vec<i32> = (0..64).filter(|&y| drawn(y)).collect();
         assert_eq!((lines.first(), lines.last()), (Some(&0), Some(&15)));
-        // What its place leaves out has nothing of these letters.
+        // The omitted last line is empty for these letters.
         let last_line = |letter| (0..WIDTH).any(|x| is_lit(letter, x, HEIGHT - 1));
         assert!(!b"-0123456789. N".iter().any(|&letter| last_line(letter)));
     }

@@ -1,4 +1,4 @@
-//! Samples and lines to sectors.
+//! Collects samples and lines in sectors.
 
 use heapless::String;
 
@@ -8,13 +8,13 @@ use crate::sample::Sample;
 use crate::settings::Settings;
 use crate::store::{CardState, Store, StoreError};
 
-/// Room for lines that wait for a sector: two events and some words, or any line.
+/// Room for lines that wait for a sector: two events and some text, or any single line.
 const WAITING_LEN: usize = 1024;
 const _: () = assert!(LINE_LEN < WAITING_LEN);
 
-/// Fills sectors and hands them on.
+/// Fills sectors and passes them to a store.
 #[derive(Debug)]
-// The small fields first, as in `App`.
+// The small fields come first, as in `App`.
 #[repr(C)]
 pub struct Journal<S> {
     sectors: u32,
@@ -25,9 +25,9 @@ pub struct Journal<S> {
 }
 
 impl<S: Store> Journal<S> {
-    /// Goes on behind what is on the card.
+    /// A journal that appends to the store's contents.
     pub fn new(store: S, clock_hz: u32) -> Self {
-        // The record is made where it stays: it is large.
+        // The record is created in place, because it is large.
         let mut new = Self {
             store,
             record: Record::default(),
@@ -39,40 +39,40 @@ impl<S: Store> Journal<S> {
         new
     }
 
-    /// Goes on as the card left off, between tests.
+    /// Continues after the last record of the card, between tests.
     pub fn recall(&mut self, last: &Record) {
         self.record.part = last.part;
         self.record.settings = last.settings.clone();
     }
 
-    /// Everything from here on belongs to this part of a test.
+    /// Starts a part of a test: all further samples belong to it.
     pub fn begin(&mut self, part: Part, settings: &Settings) {
         self.record.part = part;
         self.record.running = true;
         self.record.settings = settings.clone();
     }
 
-    /// The test is over: what waits is written, and it says so.
+    /// Ends the test: writes the waiting data, marked as the end of the test.
     ///
     /// # Errors
-    /// As [`Journal::flush`].
+    /// A sector could not be written.
     pub fn end(&mut self) -> Result<(), StoreError> {
         self.record.running = false;
         self.flush()
     }
 
-    /// Adds a sample; a full sector is written.
+    /// Adds a sample, and writes the sector if it is full.
     pub fn sample(&mut self, sample: Sample) -> Result<(), StoreError> {
-        // Cannot fail: a full sector has been written and emptied.
+        // Cannot fail: a full sector was written and emptied at once.
         let _ = self.record.samples.push(sample);
         if self.record.samples.len() < SECTOR_SAMPLES { Ok(()) } else { self.fill() }
     }
 
-    /// Adds a line for the next sectors that have room. Where too much waits already, that is
-    /// written first.
+    /// Adds a line for the next sector with room. If too much text waits already, it is written
+    /// first.
     pub fn line(&mut self, text: &str) {
         if WAITING_LEN - self.waiting.len() <= text.len() {
-            // What cannot be written is counted.
+            // A failed write is counted.
             let _ = self.flush();
         }
         // Cannot fail: there is room for any line.
@@ -80,14 +80,14 @@ impl<S: Store> Journal<S> {
         let _ = self.waiting.push('\n');
     }
 
-    /// Counters for the next sectors.
+    /// Sets the counters stored in the next sectors.
     pub fn counters(&mut self, overruns: u32, adc_faults: u32) {
         self.record.overruns = overruns;
         self.record.adc_faults = adc_faults;
     }
 
-    /// Writes what there is, if there is anything, full or not. What cannot be
-    /// written is lost and counted.
+    /// Writes all waiting samples and lines, even to a sector that is not full. Data that cannot be
+    /// written are lost, and the sector is counted as a failure.
     pub fn flush(&mut self) -> Result<(), StoreError> {
         let mut result = Ok(());
         while !self.record.samples.is_empty() || !self.waiting.is_empty() {
@@ -96,7 +96,7 @@ impl<S: Store> Journal<S> {
         result
     }
 
-    /// Writes one sector, with as many of the lines that wait as it has room for.
+    /// Writes one sector, with as many waiting lines as fit.
     fn fill(&mut self) -> Result<(), StoreError> {
         self.take_waiting();
         let result = self.write();
@@ -105,27 +105,27 @@ impl<S: Store> Journal<S> {
         result
     }
 
-    /// A sector of its own for settings changed between tests, so that they survive.
-    /// What waits to be told waits for the next test.
+    /// Writes a sector without samples, to keep settings that changed between tests. Waiting lines
+    /// stay for the next test.
     ///
     /// # Errors
-    /// They are not on the card.
+    /// The settings are not on the card.
     pub fn remember(&mut self, settings: &Settings) -> Result<(), StoreError> {
         self.record.settings = settings.clone();
         self.write()
     }
 
-    /// The last record of earlier times.
+    /// The last record in the store.
     pub fn last(&mut self) -> Option<Record> {
         self.store.last()
     }
 
-    /// Does a little of the card's own work; says what it is like.
+    /// Performs a step of the card's own work, and returns the card's state.
     pub fn tend(&mut self) -> CardState {
         self.store.tend()
     }
 
-    /// The card.
+    /// The store of the sectors.
     pub fn store(&self) -> &S {
         &self.store
     }
@@ -145,22 +145,22 @@ impl<S: Store> Journal<S> {
             let Some(line) = self.waiting.get(..=end) else { return };
             if self.record.text.len() + line.len() > TEXT_LEN {
                 if self.record.text.is_empty() {
-                    // Longer than any sector's room: the next one has the rest.
+                    // Longer than the room of any sector: the rest follows in the next one.
                     self.take_part();
                 }
                 return;
             }
-            // Cannot fail: there is room.
+            // Cannot fail: the length was checked.
             let _ = self.record.text.push_str(line);
             self.waiting.drain(..=end);
         }
     }
 
-    /// As much as fits into an empty sector.
+    /// Moves as much text as fits into an empty sector.
     fn take_part(&mut self) {
-        // What a board says during a test is ASCII: any place is between letters.
+        // Lines during a test are ASCII, so the text can be cut at any byte.
         let Some(part) = self.waiting.get(..TEXT_LEN) else { return self.waiting.clear() };
-        // Cannot fail: there is room for just that.
+        // Cannot fail: the part has exactly the size of the room.
         let _ = self.record.text.push_str(part);
         self.waiting.drain(..TEXT_LEN);
     }
@@ -199,7 +199,7 @@ mod tests {
         }
     }
 
-    /// Nothing of a line is lost, however long it is.
+    /// No part of a line is lost, however long the line is.
     #[test]
     fn a_line_longer_than_a_sectors_room_goes_on_in_the_next() {
         let mut journal = Journal::new(Sectors::default(), 1_000_000);
@@ -217,7 +217,7 @@ mod tests {
         assert_eq!(kept(&journal), said);
     }
 
-    /// At the end of a test comes more than waits for a sector otherwise.
+    /// More text comes at the end of a test than usually waits for a sector.
     #[test]
     fn nothing_is_lost_however_much_is_said_at_once() {
         let mut journal = Journal::new(Sectors::default(), 1_000_000);
@@ -232,7 +232,7 @@ mod tests {
         assert_eq!(kept(&journal), said);
     }
 
-    /// A sector a sample: what it has no room for waits for the next.
+    /// With one line per sample, text that does not fit into a sector waits for the next.
     #[test]
     fn no_sector_is_without_samples_while_others_have_room() {
         let mut journal = Journal::new(Sectors::default(), 1_000_000);

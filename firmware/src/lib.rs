@@ -1,11 +1,11 @@
-//! The logger application: everything but pins, clocks and peripherals.
+//! The logger application, without pins, clocks and peripherals.
 //!
 //! ```text
 //!  tick interrupt                      main loop
 //!  converter ─► sampler ─► queue ─► core pipeline ─► live lines, log, display
 //! ```
 //!
-//! It runs on a board (`src/board/`), and on a PC under test.
+//! It runs on a board (`src/board/`), and on a PC in tests.
 #![cfg_attr(not(test), no_std)]
 
 pub mod adc;

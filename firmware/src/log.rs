@@ -1,4 +1,4 @@
-//! defmt where it is switched on, nothing at all where it is not.
+//! Logging macros: defmt with that feature, otherwise no code.
 
 macro_rules! debug {
     ($($argument:tt)*) => { crate::log::relay!(debug, $($argument)*) };

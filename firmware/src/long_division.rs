@@ -1,5 +1,5 @@
-//! Division of 64 bits by 16: the processor has no instruction for it, and the library's routine
-//! takes 1 kB.
+//! Division of 64 by 16 bits. The processor has no instruction for it, and the library's routine
+//! takes 1 kB of flash.
 
 /// Quotient and remainder; a divisor of zero counts as one.
 ///
@@ -10,7 +10,7 @@
 pub fn divide(number: u64, by: u16) -> (u64, u16) {
     let by = u32::from(by.max(1));
     let (mut quotient, mut rest) = (0, 0);
-    // By hand, with digits of 16 bits.
+    // Long division with digits of 16 bits.
     for shift in [48, 32, 16, 0] {
         let digit = u32::from((number >> shift) as u16);
         let part = rest << 16 | digit;

@@ -1,7 +1,7 @@
-//! What is measured while nothing is pulled: the zero, the span, the weight.
+//! Measurements without a pull: zero, span and weight.
 //!
-//! All three are the mean of a load at rest ([`crate::weighing`]), which grows sharper
-//! until somebody says `accept` or `abort`. Nothing changes before.
+//! Each is the mean of a load at rest ([`crate::weighing`]), whose error shrinks until the user
+//! types `accept` or `abort`. The settings change with `accept` only.
 
 use crate::weighing::{Load, Rest, Unrest, Weighing};
 use floe_core::num::math::{hypotenuse, larger, sqrt};
@@ -18,62 +18,62 @@ use crate::text::text;
 
 mod news;
 
-/// Weights of one calibration.
+/// Largest number of weights in one calibration.
 const MOST_WEIGHTS: usize = 4;
-/// A load is one when it is so many standard deviations from zero; so far apart are
-/// weights that disagree.
+/// Smallest force accepted as a load, in standard deviations; a weight below zero by more is an
+/// error.
 const SURE: f32 = 5.0;
 
-/// Standard deviation of what rounding to a whole code leaves open, codes.
+/// Standard deviation of rounding to an integer code, codes: `1/sqrt(12)`.
 const WHOLE_CODE: f32 = 0.289;
 
-/// What is looked for.
+/// Quantity to measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Task {
-    /// Nothing hangs there: the zero.
+    /// The zero: the hook is empty.
     Tare,
-    /// This force hangs there, N: the span.
+    /// The span: a known force, N, is on the hook.
     Calibrate(f32),
-    /// The block hangs there: its weight.
+    /// The weight of the block on the hook.
     Weigh,
 }
 
-/// One measurement going on.
+/// A measurement in progress.
 #[derive(Clone, Debug)]
 pub struct Measuring {
     task: Task,
-    /// Of codes, or of newtons for the block.
+    /// Readings in codes, or in newtons for the block.
     weighing: Weighing,
     calibrator: Calibrator,
     range_counts: (i32, i32),
-    /// Weights that were measured before: force in N, codes above zero.
+    /// Earlier weights of the calibration: force in N, codes above zero.
     weights: Vec<(f32, Load), MOST_WEIGHTS>,
-    /// The newest reading is beyond the range.
+    /// Whether the newest reading is outside the range.
     saturated: bool,
-    /// Samples since it began, whatever came between.
+    /// Samples since the measurement began, including unusable ones.
     samples: u32,
-    /// The block as it was at the last full second.
+    /// The block's weight at the last full second.
     weighed: Weighed,
     /// Code of the zero.
     tare: f32,
-    /// The known weight, codes, as sharply as it was seen: what comes when it is taken off
-    /// belongs to another.
+    /// Best measurement of the known weight so far, codes. It is kept, because later readings are
+    /// of the hook without it.
     rested: Option<Load>,
 }
 
-/// Codes of a force, and how well they are known.
+/// Span in codes per newton, with its uncertainty.
 #[derive(Clone, Copy, Debug)]
 struct Span {
     counts_per_n: f32,
     std: f32,
-    /// Largest distance of a weight from the line through zero, N.
+    /// Largest deviation of a weight from the line through zero, N.
     residual_n: f32,
-    /// Largest of the weights, N.
+    /// Largest weight, N.
     largest_n: f32,
 }
 
 impl Measuring {
-    /// Begins.
+    /// Starts a measurement.
     #[must_use]
     pub fn new(task: Task, settings: &Settings) -> Self {
         let range_counts = settings.config.calibration.range_counts;
@@ -94,11 +94,11 @@ impl Measuring {
         }
     }
 
-    /// Goes on with another known weight, which may hang there already; the one before is
-    /// kept as it rested.
+    /// Continues with another known weight, which may already be on the hook; keeps the best
+    /// measurement of the previous one.
     ///
     /// # Errors
-    /// It has not rested, or there is no room for another.
+    /// The previous weight was not at rest, or there is no room for another.
     pub fn another(&mut self, force_n: f32, settings: &Settings) -> Result<(), &'static str> {
         if let Task::Calibrate(before_n) = self.task {
             let load = self.rested.ok_or(Hindrance::Short.words())?;
@@ -109,19 +109,19 @@ impl Measuring {
         Ok(())
     }
 
-    /// Whether it is a calibration.
+    /// Whether the span is measured.
     #[must_use]
     pub fn is_calibration(&self) -> bool {
         matches!(self.task, Task::Calibrate(_))
     }
 
-    /// Whether it is the zero.
+    /// Whether the zero is measured.
     #[must_use]
     pub fn is_tare(&self) -> bool {
         self.task == Task::Tare
     }
 
-    /// Takes a sample; true once a second, when there is news.
+    /// Takes a sample; returns `true` once a second.
     pub fn add(&mut self, sample: &Sample) -> bool {
         if sample.input != Input::Bridge {
             return false;
@@ -144,7 +144,7 @@ impl Measuring {
         second
     }
 
-    /// Once a second: what hangs there now.
+    /// Updates the result, once a second.
     fn look(&mut self) {
         match self.task {
             Task::Tare => {}
@@ -159,16 +159,16 @@ impl Measuring {
         }
     }
 
-    /// The block's weight so far, as it is shown once a second.
+    /// The block's weight so far, updated once a second.
     #[must_use]
     pub fn weighed(&self) -> Option<Weighed> {
         (self.task == Task::Weigh).then_some(self.weighed)
     }
 
-    /// What to say of it now, if there is anything.
+    /// Message on the progress, if one is due.
     #[must_use]
     pub fn news(&self, settings: &Settings) -> Option<Text> {
-        // Said when twice as long has made it sharper, and every minute.
+        // A message is due each time the duration doubles (to 64 s), then every minute.
         let seconds = self.samples / RATE_HZ as u32;
         let due = [8, 16, 32].contains(&seconds) || seconds.is_multiple_of(64);
         let news = match self.task {
@@ -181,10 +181,10 @@ impl Measuring {
         Some(news.unwrap_or_else(text))
     }
 
-    /// The settings with what was measured.
+    /// The settings updated with the result.
     ///
     /// # Errors
-    /// Why it cannot be used, or not yet.
+    /// Why the result cannot be used, or not yet.
     pub fn accept(&self, settings: &Settings) -> Result<Settings, &'static str> {
         let mut settings = settings.clone();
         match self.task {
@@ -218,7 +218,7 @@ impl Measuring {
         self.rest()?.load(zero).map_err(Hindrance::from)
     }
 
-    /// The empty cell, codes.
+    /// Mean with an empty hook, codes.
     fn zero(&self) -> Result<Rest, &'static str> {
         let rest = self.rest().map_err(Hindrance::words)?;
         if rest.oscillation.is_seen {
@@ -227,14 +227,14 @@ impl Measuring {
         Ok(rest)
     }
 
-    /// A known weight, codes.
+    /// Load of a known weight, codes.
     fn load(&self) -> Result<Load, &'static str> {
         let load = self.load_above(self.tare).map_err(Hindrance::words)?;
         let hangs = load.value.abs() > SURE * load.std;
         hangs.then_some(load).ok_or("nothing hangs there: tare first, then hang a known weight")
     }
 
-    /// The block, N.
+    /// Load of the block, N.
     fn hanging(&self) -> Result<Load, &'static str> {
         let load = self.load_above(0.0).map_err(Hindrance::words)?;
         if load.value < -SURE * load.std {
@@ -244,7 +244,7 @@ impl Measuring {
         hangs.then_some(load).ok_or("nothing hangs there")
     }
 
-    /// The line through zero and all weights, and the newest of them.
+    /// Line through zero fitted to all weights, and the newest weight.
     fn span(&self) -> Result<(Span, Load), &'static str> {
         let Task::Calibrate(force_n) = self.task else { return Err("no calibration") };
         let newest = self.load()?;
@@ -269,21 +269,21 @@ impl Measuring {
     }
 }
 
-/// What stands in the way of an answer.
+/// Why there is no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hindrance {
     /// The record is too short, or readings were missing.
     Short,
     /// The force rises or falls.
     Drifts,
-    /// It moves otherwise than a swinging load.
+    /// The force moves in another way than that of a swinging load.
     Moves,
-    /// Beyond the range of the cell or the converter.
+    /// The force is beyond the range of the cell or the converter.
     OutOfRange,
 }
 
 impl Hindrance {
-    /// For a person: what it is, and what to do.
+    /// The reason, and advice, as text for the user.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {

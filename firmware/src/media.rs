@@ -1,5 +1,5 @@
-//! What is on a card: a FAT file system with or without a partition table, or something
-//! else, named as what it is.
+//! Recognizes the format of a card: a FAT file system, with or without a partition table, or
+//! another format that is reported by name.
 
 use core::cell::Cell;
 
@@ -9,47 +9,46 @@ use crate::store::CardState;
 
 const SIGNATURE_AT: usize = 510;
 const PARTITION_AT: usize = 446;
-/// FAT12 ends where FAT16 begins.
+/// Fewest clusters of FAT16; with fewer the file system is FAT12.
 const FEWEST_CLUSTERS: u32 = 4085;
 
-/// Marks of the sector in which FAT32 keeps count of its free clusters, and where the count is.
+/// Signature in the FAT32 sector with the number of free clusters, and the position of that number.
 const COUNT_MARK: u32 = 0x6141_7272;
 const COUNT_MARK_AT: usize = 484;
 const COUNT_AT: usize = 488;
 
-/// A card; one without a partition table looks as if it had one.
+/// A card with FAT. If it has no partition table, one is simulated.
 #[derive(Debug)]
 pub struct Media<D> {
     device: D,
-    /// Blocks of the file system that begins at block 0, or 0.
+    /// Blocks of a file system that begins at block 0, or 0 if there is a partition table.
     whole: Cell<u32>,
-    /// Free blocks by the file system's own count, if it keeps one.
+    /// Free blocks as recorded by the file system, if it records them.
     free: Cell<Option<u32>>,
-    /// Nothing is written any more until the card has been looked at again.
+    /// Whether writing is blocked until the card is examined again.
     is_shut: Cell<bool>,
 }
 
 impl<D: BlockDevice> Media<D> {
-    /// Nothing is known of the card yet.
+    /// A card that has not been examined yet.
     pub const fn new(device: D) -> Self {
         Self { device, whole: Cell::new(0), free: Cell::new(None), is_shut: Cell::new(false) }
     }
 
-    /// From now on it may be another card: what is written goes nowhere until it has been
-    /// looked at.
+    /// Blocks writing until the card is examined, because it may be a different card.
     pub fn shut(&self) {
         self.is_shut.set(true);
     }
 
-    /// Free blocks by the file system's own count; `None` where it keeps none.
+    /// Free blocks as recorded by the file system; `None` if it does not record them.
     pub fn free_blocks(&self) -> Option<u32> {
         self.free.get()
     }
 
-    /// Looks at the card, in case it is another one now.
+    /// Examines the card, which may have been exchanged, and permits writing again.
     ///
     /// # Errors
-    /// Why no log can be kept on it.
+    /// Why the card cannot hold a log.
     pub fn look(&self) -> Result<(), CardState> {
         self.whole.set(0);
         self.is_shut.set(false);
@@ -71,7 +70,7 @@ impl<D: BlockDevice> Media<D> {
         }
     }
 
-    /// Whether a file system's first block is one of FAT16 or FAT32, and how much is free.
+    /// Checks that a file system is FAT16 or FAT32, and reads the number of its free blocks.
     fn judge(&self, first: &[u8; 512], start: u32) -> Result<(), CardState> {
         judge(first)?;
         self.free.set(self.count_free(first, start));
@@ -79,7 +78,7 @@ impl<D: BlockDevice> Media<D> {
     }
 
     fn count_free(&self, first: &[u8; 512], start: u32) -> Option<u32> {
-        // FAT16, whose tables are so short that their length is in 16 bits, keeps no count.
+        // FAT16 (its table's length is a 16-bit field) has no number of free clusters.
         let is_fat32 = word(first, 22) == 0;
         let place = Some(start.wrapping_add(word(first, 48))).filter(|_| is_fat32)?;
         let clusters = free_clusters(&self.block(place).ok()?)?;
@@ -98,7 +97,7 @@ fn is_signed(block: &[u8; 512]) -> bool {
     block[SIGNATURE_AT..] == [0x55, 0xAA]
 }
 
-/// The jump at the beginning of a file system's first block, and its name.
+/// Whether a block begins with a file system's jump instruction and contains its name.
 fn is_file_system(block: &[u8; 512]) -> bool {
     let jumps = matches!(block[..3], [0xEB, _, 0x90] | [0xE9, ..]);
     let named = is_exfat(block) || [54, 82].iter().any(|&at| block[at..].starts_with(b"FAT"));
@@ -109,7 +108,7 @@ fn is_exfat(block: &[u8; 512]) -> bool {
     block[3..].starts_with(b"EXFAT   ")
 }
 
-/// Whether a file system's first block is one of FAT16 or FAT32.
+/// Checks that the first block of a file system is one of FAT16 or FAT32.
 fn judge(block: &[u8; 512]) -> Result<(), CardState> {
     if is_exfat(block) {
         return Err(CardState::ExFat);
@@ -120,14 +119,14 @@ fn judge(block: &[u8; 512]) -> Result<(), CardState> {
     if word(11) != 512 || per_cluster == 0 || !is_signed(block) {
         return Err(CardState::NotFat);
     }
-    // Reserved, the tables, the root directory of FAT16; the rest is clusters.
+    // All blocks before the clusters: reserved ones, tables, and the root directory of FAT16.
     let tables = u32::from(block[16]).saturating_mul(either(word(22), long(36)));
     let before = word(14).saturating_add(tables).saturating_add(word(17) / 16);
     let clusters = either(word(19), long(32)).saturating_sub(before) / per_cluster;
     if clusters < FEWEST_CLUSTERS { Err(CardState::Fat12) } else { Ok(()) }
 }
 
-/// Of the sector that has the count, if it is one and the count is known.
+/// Free clusters from the FAT32 sector with their number; `None` if invalid or unknown.
 fn free_clusters(block: &[u8; 512]) -> Option<u32> {
     const UNKNOWN: u32 = u32::MAX;
     let is_count = long(block, COUNT_MARK_AT) == COUNT_MARK;
@@ -144,10 +143,10 @@ fn long(block: &[u8; 512], at: usize) -> u32 {
     word(block, at) | word(block, at + 2) << 16
 }
 
-/// A table with one partition, which begins behind it.
+/// A partition table with one partition, which begins at block 1.
 fn table(blocks: u32) -> Block {
     let mut block = Block::new();
-    // FAT32 by logical block; what it really is the file system's first block says.
+    // Type FAT32 with logical blocks; the first block of the file system gives its actual type.
     block.contents[PARTITION_AT + 4] = 0x0C;
     block.contents[PARTITION_AT + 8] = 1;
     block.contents[PARTITION_AT + 12..PARTITION_AT + 16].copy_from_slice(&blocks.to_le_bytes());
@@ -183,7 +182,7 @@ impl<D: BlockDevice> BlockDevice for Media<D> {
         match (self.whole.get(), start.0.checked_sub(1)) {
             (0, _) => self.device.write(blocks, start),
             (_, Some(before)) => self.device.write(blocks, BlockIdx(before)),
-            // Nobody writes the table.
+            // The simulated table is never written.
             (_, None) => Ok(()),
         }
     }
@@ -225,7 +224,7 @@ mod tests {
         }
     }
 
-    /// First block of a FAT file system: blocks, blocks of a table, of a cluster.
+    /// First block of a FAT file system; arguments: blocks in total, per table, and per cluster.
     fn fat(blocks: u32, table: u16, cluster: u8) -> [u8; 512] {
         let mut block = [0; 512];
         block[..3].copy_from_slice(&[0xEB, 0x3C, 0x90]);
@@ -238,7 +237,8 @@ mod tests {
         block
     }
 
-    /// FAT32 with so many free clusters of four blocks by its own count, in its second block.
+    /// First two blocks of a FAT32 file system with clusters of four blocks, of which `free` are
+    /// free.
     fn counted(free: u32) -> [[u8; 512]; 2] {
         let (mut first, mut count) = (fat(90_000, 0, 4), [0; 512]);
         first[36..40].copy_from_slice(&200_u32.to_le_bytes());

@@ -1,4 +1,4 @@
-//! What belongs to a test and is not computed with: the notebook of the day.
+//! Notes on a test that do not enter the computation.
 
 /// How the block is pulled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -7,45 +7,45 @@ pub enum Kind {
     Sliding,
     /// Up a ramp of ice.
     Rafting,
-    /// Over the edge of another sheet.
+    /// Over the edge of another ice sheet.
     OverRiding,
 }
 
 /// The ice under the block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Track {
-    /// Nothing has slid here.
+    /// No block has slid over it.
     Fresh,
-    /// Pulled over before.
+    /// A block was pulled over it before.
     Repeated,
 }
 
 /// What weighed the block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WeightFrom {
-    /// The load cell that pulls it: its span cancels.
+    /// The load cell that pulls the block: errors of its span cancel.
     SameCell,
-    /// A balance of its own.
+    /// A separate balance.
     Other,
 }
 
-/// What the winch does, by the eye of somebody beside it.
+/// State of the winch, as seen by a person next to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Winch {
-    /// It takes the cable up.
+    /// It winds the cable in.
     Moving,
-    /// It holds it.
+    /// It holds the cable.
     Held,
 }
 
 impl Winch {
-    /// Both with their words.
+    /// All values with their words.
     pub const ALL: &'static [(Self, &'static str)] =
         &[(Self::Moving, "moving"), (Self::Held, "held")];
 }
 
 impl Kind {
-    /// All of them with their words, in the order of their numbers on the card.
+    /// All values with their words, in the order of their numbers on the card.
     pub const ALL: &'static [(Self, &'static str)] = &[
         (Self::Sliding, "sliding"),
         (Self::Rafting, "rafting"),
@@ -54,30 +54,30 @@ impl Kind {
 }
 
 impl Track {
-    /// All of them with their words, in the order of their numbers on the card.
+    /// All values with their words, in the order of their numbers on the card.
     pub const ALL: &'static [(Self, &'static str)] =
         &[(Self::Fresh, "fresh"), (Self::Repeated, "repeated")];
 }
 
 impl WeightFrom {
-    /// All of them with their words, in the order of their numbers on the card.
+    /// All values with their words, in the order of their numbers on the card.
     pub const ALL: &'static [(Self, &'static str)] =
         &[(Self::SameCell, "same_cell"), (Self::Other, "other")];
 }
 
-/// The word of one of a few.
+/// Word of a value.
 #[must_use]
 pub fn word<T: PartialEq>(all: &'static [(T, &'static str)], one: &T) -> &'static str {
     all.iter().find(|(other, _)| other == one).map_or("", |(_, word)| word)
 }
 
-/// What a word stands for.
+/// Value of a word.
 #[must_use]
 pub fn from_word<T: Copy>(all: &[(T, &str)], word: &str) -> Option<T> {
     all.iter().find(|(_, other)| *other == word).map(|&(one, _)| one)
 }
 
-/// One page of the notebook; `None` is what nobody wrote down.
+/// Notes on one test; `None` where nothing was noted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Notes {
     /// How the block is pulled.

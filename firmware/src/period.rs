@@ -1,10 +1,10 @@
-//! The true sampling period, by the board's clock.
+//! Measures the actual sampling period by the board's clock.
 
 use crate::sample::Sample;
 
 const TWO_TO_32: f32 = 4_294_967_296.0;
 
-/// Times between samples that follow each other.
+/// Statistics of the time between consecutive samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PeriodMeter {
     last: Option<(u32, u32)>,
@@ -15,7 +15,7 @@ pub struct PeriodMeter {
 }
 
 impl PeriodMeter {
-    /// Takes a sample; across a gap no time is taken.
+    /// Takes a sample; the time across a gap is not used.
     pub fn add(&mut self, sample: &Sample) {
         let next_to = |index: u32| index.wrapping_add(1) == sample.index;
         if let Some((_, stamp)) = self.last.filter(|&(index, _)| next_to(index)) {
@@ -32,9 +32,9 @@ impl PeriodMeter {
     #[must_use]
     pub fn mean_s(&self, clock_hz: u32) -> Option<f32> {
         let shortest = self.shortest?;
-        // A small difference: single precision will do.
+        // Single precision suffices for this small difference.
         let beyond = self.ticks - u64::from(self.periods) * u64::from(shortest);
-        // Half by half: the board turns 32 bits into a number in one instruction.
+        // In halves, because the board converts 32 bits to `f32` in one instruction.
         let beyond = (beyond >> 32) as u32 as f32 * TWO_TO_32 + beyond as u32 as f32;
         let mean = shortest as f32 + beyond / self.periods as f32;
         Some(mean / clock_hz as f32)

@@ -1,4 +1,4 @@
-//! What travels from the interrupt to the main loop.
+//! Data passed from the interrupt to the main loop.
 
 use core::sync::atomic::{AtomicI32, AtomicU8, AtomicU32, Ordering};
 
@@ -7,37 +7,37 @@ use heapless::spsc::{Consumer, Producer, Queue};
 
 use crate::adc::{AdcFault, Climate, Input};
 
-/// Samples per second. On the board it is 2048 periods of a 32 768 Hz crystal.
+/// Samples per second. On the board a period is 2048 periods of a 32 768 Hz crystal.
 pub const RATE_HZ: f32 = 16.0;
 
-/// Samples that wait while the main loop is busy: 95, or 5.9 s.
+/// Number of samples that can wait while the main loop is busy: 95, or 5.9 s.
 pub const QUEUE_DEPTH: usize = QUEUE_SLOTS - 1;
-/// The queue keeps one slot free.
+/// Slots of the queue, one of which always stays free.
 const QUEUE_SLOTS: usize = 96;
 
-/// The queue between the two.
+/// The queue between the interrupt and the main loop.
 pub type SampleQueue = Queue<Sample, QUEUE_SLOTS>;
-/// The interrupt's end.
+/// The interrupt's end of the queue.
 pub type SampleProducer<'q> = Producer<'q, Sample>;
-/// The main loop's end.
+/// The main loop's end of the queue.
 pub type SampleConsumer<'q> = Consumer<'q, Sample>;
 
 /// One sampling period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sample {
-    /// Number of the period since power-up.
+    /// Number of the sampling period since power-up.
     pub index: u32,
-    /// When its conversion was started, in ticks of the board's clock.
+    /// Start of the conversion, in ticks of the board's clock.
     pub stamp: u32,
     /// What was measured.
     pub input: Input,
-    /// The code, or why there is none.
+    /// The code, or the reason for none.
     pub reading: Result<Counts, AdcFault>,
 }
 
 impl Sample {
-    /// As the core wants it, counted from the first sample of a test.
+    /// The sample in the core's form, with its index counted from the first sample of a test.
     #[must_use]
     pub fn raw(&self, first_index: u32) -> RawSample {
         let index = self.index.wrapping_sub(first_index);
@@ -45,7 +45,7 @@ impl Sample {
     }
 }
 
-/// What interrupt and main loop tell each other beside the samples.
+/// State shared by interrupt and main loop besides the queue.
 #[derive(Debug)]
 pub struct Shared {
     ticks: AtomicU32,
@@ -56,7 +56,7 @@ pub struct Shared {
     supply_mv: AtomicI32,
 }
 
-/// No converter is as cold, or fed so badly.
+/// Stored for an unknown temperature or supply; no real value is as low.
 const UNKNOWN: i32 = i32::MIN;
 
 impl Default for Shared {
@@ -66,7 +66,7 @@ impl Default for Shared {
 }
 
 impl Shared {
-    /// Nothing lost, bridge wanted.
+    /// Initial state: no sample lost, the bridge selected.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -89,17 +89,17 @@ impl Shared {
         self.overruns.load(Ordering::Relaxed)
     }
 
-    /// Most samples that ever waited.
+    /// Largest number of samples that ever waited.
     pub fn deepest(&self) -> u32 {
         self.deepest.load(Ordering::Relaxed)
     }
 
-    /// Asks for another input from one of the next samples on.
+    /// Requests another input; it takes effect within the next samples.
     pub fn want(&self, input: Input) {
         self.wanted.store(input as u8, Ordering::Relaxed);
     }
 
-    /// How cold the converter is, and what feeds it.
+    /// Temperature and supply voltage of the converter.
     pub fn climate(&self) -> Climate {
         let known = |value: &AtomicI32| {
             Some(value.load(Ordering::Relaxed)).filter(|&value| value != UNKNOWN)
@@ -122,12 +122,12 @@ impl Shared {
     }
 
     pub(crate) fn count_tick(&self) {
-        // Only the sampling interrupt writes.
+        // No race: only the sampling interrupt writes.
         self.ticks.store(self.ticks().wrapping_add(1), Ordering::Relaxed);
     }
 
     pub(crate) fn count_overrun(&self) {
-        // Only the sampling interrupt writes.
+        // No race: only the sampling interrupt writes.
         self.overruns.store(self.overruns().wrapping_add(1), Ordering::Relaxed);
     }
 

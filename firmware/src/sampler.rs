@@ -1,15 +1,15 @@
-//! The sampling interrupt: never waits for anybody.
+//! The sampling interrupt, which never waits for the main loop.
 
 use crate::adc::{AdcFault, BridgeAdc, Input};
 use crate::sample::{Sample, SampleProducer, Shared};
 
-/// What a board's tick interrupt calls.
+/// Handler that a board's tick interrupt calls.
 pub trait Tick {
-    /// One sampling period has begun, at `stamp` ticks of the board's clock.
+    /// Handles the start of a sampling period at `stamp` ticks of the board's clock.
     fn tick(&mut self, stamp: u32);
 }
 
-/// Owns the converter and the queue's entrance.
+/// Owner of the converter and of the queue's input end.
 #[expect(missing_debug_implementations, reason = "the queue has none")]
 pub struct Sampler<'q, A> {
     adc: A,
@@ -20,13 +20,13 @@ pub struct Sampler<'q, A> {
     input: Input,
 }
 
-/// Half a minute.
+/// Sampling periods between two requests for temperature or supply: half a minute.
 const CLIMATE_PERIODS: u32 = 480;
-/// First a second after power-up, and known with the tick after.
+/// Period of the first request, a second after power-up; its result is known one period later.
 const CLIMATE_AT: u32 = 16;
 const CLIMATE_KNOWN: u32 = 17;
 
-/// The conversion that is going on.
+/// The conversion in progress.
 #[derive(Clone, Copy, Debug)]
 struct Running {
     index: u32,
@@ -40,7 +40,7 @@ impl<'q, A: BridgeAdc> Sampler<'q, A> {
         Self { adc, queue, shared, next_index: 0, running: None, input: Input::Bridge }
     }
 
-    /// Temperature and supply in turn, each once a minute.
+    /// Requests temperature and supply alternately, each once a minute.
     fn ask_for_climate(&mut self) {
         match self.next_index % CLIMATE_PERIODS {
             CLIMATE_AT => self.adc.want_climate(),
@@ -49,7 +49,8 @@ impl<'q, A: BridgeAdc> Sampler<'q, A> {
         }
     }
 
-    /// The conversion that is going on is given up: no sample, and no fault.
+    /// Switches the input if requested. The conversion in progress is discarded without a sample or
+    /// fault.
     fn change_input(&mut self) {
         let wanted = self.shared.wanted();
         if wanted != self.input && self.adc.select(wanted) {
@@ -59,14 +60,13 @@ impl<'q, A: BridgeAdc> Sampler<'q, A> {
     }
 }
 
-/// Tells whether both ends of the queue live: who asks is the main loop, and what it
-/// looks for is the tick.
+/// Checks that main loop and tick are alive: the main loop asks whether the tick has come.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pulse(u32);
 
 impl Pulse {
-    /// Whether the tick has come since this was last asked. A watchdog that is fed only
-    /// then starts the board again whichever of the two hangs.
+    /// Whether the tick has come since the previous call. A watchdog fed only if so resets the
+    /// board when either of the two hangs.
     pub fn beats(&mut self, shared: &Shared) -> bool {
         let before = core::mem::replace(&mut self.0, shared.ticks());
         before != self.0
@@ -74,8 +74,8 @@ impl Pulse {
 }
 
 impl<A: BridgeAdc> Tick for Sampler<'_, A> {
-    /// The sample of the period before goes into the queue. If that is full, the
-    /// sample is lost and counted, and its index is missing for ever after.
+    /// Puts the sample of the previous period into the queue. If the queue is full, the sample is
+    /// lost and counted, and its index stays missing.
     fn tick(&mut self, stamp: u32) {
         self.shared.count_tick();
         self.change_input();

@@ -1,4 +1,4 @@
-//! One command before the first pull: converter, wiring, noise, rate.
+//! Self test before the first pull: converter, wiring and noise.
 
 use crate::adc::Input;
 use crate::average::{Average, MOST};
@@ -6,19 +6,19 @@ use crate::line::Mean;
 use crate::sample::Sample;
 use crate::settings::Settings;
 
-/// What is measured, in order, and how often.
+/// Inputs measured, in order, and the number of readings of each.
 const STEPS: [(Input, usize); 4] =
     [(Input::Temperature, 2), (Input::Shorted, MOST), (Input::BurnOut, 2), (Input::Bridge, MOST)];
 
-/// Codes of noise (standard deviation) with the inputs shorted that are still
-/// healthy; the chip's own are 12 at these settings.
+/// Largest healthy standard deviation with the inputs shorted, codes; that of the chip is 12 at
+/// these settings.
 const NOISE_CODES: f32 = 200.0;
-/// A zero so far below, as a part of the range, is none.
+/// Fraction of the range below zero from which a reading is an error.
 const BELOW_ZERO: f32 = 0.02;
-/// Codes near full scale, where the burn-out currents drive a broken bridge.
+/// Code near full scale, to which the burn-out currents drive a broken bridge.
 const OPEN_CODES: f32 = 0.99 * 8_388_608.0;
 
-/// The self test going on.
+/// A self test in progress.
 #[derive(Clone, Debug)]
 pub struct SelfTest {
     step: usize,
@@ -27,24 +27,24 @@ pub struct SelfTest {
 }
 
 impl SelfTest {
-    /// The first measurement.
+    /// A self test at its first measurement.
     #[must_use]
     pub fn new() -> Self {
         Self { step: 0, average: average(STEPS[0]), passed: true }
     }
 
-    /// What has to be measured now.
+    /// Input to be measured now.
     #[must_use]
     pub fn input(&self) -> Input {
         STEPS.get(self.step).map_or(Input::Bridge, |&(input, _)| input)
     }
 
-    /// Takes a sample; gives a result when a measurement is complete.
+    /// Takes a sample; returns the result when a measurement is complete.
     pub fn add(&mut self, sample: &Sample) -> Option<Mean> {
         self.average.add(sample)
     }
 
-    /// Goes on to the next measurement; `false` if there is none.
+    /// Proceeds to the next measurement; `false` after the last.
     pub fn advance(&mut self) -> bool {
         self.step += 1;
         let next = STEPS.get(self.step);
@@ -54,18 +54,18 @@ impl SelfTest {
         next.is_some()
     }
 
-    /// Remembers that something is wrong.
+    /// Records a failure.
     pub fn fail(&mut self) {
         self.passed = false;
     }
 
-    /// Whether nothing was wrong.
+    /// Whether no measurement has failed.
     #[must_use]
     pub fn passed(&self) -> bool {
         self.passed
     }
 
-    /// What is wrong with a measurement.
+    /// The defect that a measurement shows, as text.
     #[must_use]
     pub fn judge(mean: &Mean, settings: &Settings) -> Option<&'static str> {
         if mean.count == 0 {
@@ -97,8 +97,8 @@ impl SelfTest {
     }
 }
 
-/// Force of a code as a part of the range: the cell's, or the converter's if the cell's is
-/// not known.
+/// Force of a code as a fraction of the range: that of the cell, or of the converter if the cell's
+/// is unknown.
 #[must_use]
 pub fn part_of_range(code: f32, settings: &Settings) -> f32 {
     let calibration = &settings.config.calibration;

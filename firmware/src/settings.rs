@@ -1,4 +1,4 @@
-//! What the user sets, and what the log remembers for him.
+//! The user's settings, and how the log stores them.
 
 use floe_core::{Config, ConfigError, Counts, InputStd};
 use heapless::String;
@@ -10,44 +10,44 @@ use crate::sample::RATE_HZ;
 /// Longest name of a test.
 pub const NAME_LEN: usize = 16;
 
-/// Everything that outlives a test.
+/// All settings that are kept from one test to the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// What the core is told.
+    /// Configuration of the core.
     pub config: Config,
     /// Name of the test.
     pub name: String<NAME_LEN>,
     /// Which effects the core looks for.
     pub effects: Effects,
-    /// How well the inputs are known.
+    /// Uncertainties of the inputs.
     pub stds: Stds,
-    /// What weighed the block.
+    /// Scale that weighed the block.
     pub weight_from: Option<WeightFrom>,
-    /// The zero of the load cell, measured around the test.
+    /// Zero of the load cell before and after the test.
     pub zero: Zero,
-    /// The notebook.
+    /// Notes on the test.
     pub notes: Notes,
 }
 
-/// Sets of effects, one bit each; `None` in a log that does not say.
+/// Sets of effects, one bit each; `None` in a log without them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effects {
     /// Looked for in this test.
     pub enabled: Option<u32>,
-    /// Compiled into the program that measured it.
+    /// Compiled into the program that measured the test.
     pub compiled: Option<u32>,
 }
 
 impl Effects {
-    /// As a computation has them.
+    /// From a set of the core, with all effects of this program as `compiled`.
     #[must_use]
     pub fn of(enabled: floe_core::Effects) -> Self {
         let compiled = Some(floe_core::Effects::COMPILED.mask());
         Self { enabled: Some(enabled.mask()), compiled }
     }
 
-    /// For a computation that is to give the same again: those that were looked for and were
-    /// there; all, if nobody said.
+    /// Effects for a repetition of the computation: those both enabled and compiled in; an unknown
+    /// set counts as all.
     #[must_use]
     pub fn in_use(&self) -> floe_core::Effects {
         let all = floe_core::Effects::COMPILED.mask();
@@ -56,7 +56,7 @@ impl Effects {
     }
 }
 
-/// One standard deviation of each input; `None` where nobody said.
+/// Standard deviation of each input; `None` if not given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stds {
     /// Of the weight, N.
@@ -65,7 +65,7 @@ pub struct Stds {
     pub slope_rad: Option<f32>,
     /// Of the zero of the load cell, N.
     pub zero_n: Option<f32>,
-    /// Of the span, as a part of it.
+    /// Of the span, relative.
     pub span: Option<f32>,
     /// Of the damping ratio of the swing.
     pub damping: Option<f32>,
@@ -74,24 +74,24 @@ pub struct Stds {
 }
 
 impl Stds {
-    /// The winch's came with a later version of lines and sectors, and stands at their end.
+    /// All except that of the winch's speed, which a later version of lines and sectors appended.
     pub(crate) fn first(&self) -> [Option<f32>; 5] {
         [self.weight_n, self.slope_rad, self.zero_n, self.span, self.damping]
     }
 }
 
-/// Force without a load, N, by the calibration of the test.
+/// Force without a load, N, with the calibration of the test.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Zero {
     /// Before the test.
     pub before_n: Option<f32>,
-    /// After it.
+    /// After the test.
     pub after_n: Option<f32>,
 }
 
 impl Default for Settings {
-    /// A 5 kN, 2 mV/V cell on a ratiometric 24-bit converter with gain 128.
-    // Made in three places, and much of it.
+    /// Default for a 5 kN, 2 mV/V cell on a ratiometric 24-bit converter with gain 128.
+    // Not inlined: it is large and called in three places.
     #[inline(never)]
     fn default() -> Self {
         let mut config = Config { rate_hz: RATE_HZ, ..Config::default() };
@@ -117,7 +117,7 @@ impl Settings {
         counts as f32 / calibration.counts_per_n
     }
 
-    /// Largest force of the cell, or of the converter if the cell's is not known, N.
+    /// Largest force of the cell, N, or of the converter if the cell's is unknown.
     #[must_use]
     pub fn range_n(&self) -> f32 {
         let calibration = &self.config.calibration;
@@ -125,8 +125,8 @@ impl Settings {
         self.config.range_n.unwrap_or(full_n)
     }
 
-    /// What the core is told: the configuration, and how well it is known. A span that is
-    /// wrong cancels where the block was weighed with the same cell.
+    /// Configuration of the core, including the uncertainties. An error of the span cancels if the
+    /// block was weighed with the same cell.
     #[must_use]
     pub fn core_config(&self) -> Config {
         let Stds { weight_n, slope_rad, zero_n, span, damping, winch_m_per_s } = self.stds;
@@ -145,7 +145,7 @@ impl Settings {
         Config { std, effects: self.effects.in_use(), ..self.config }
     }
 
-    /// With one value changed. The weight may still be missing.
+    /// A copy with one value changed. The weight may still be missing.
     ///
     /// # Errors
     /// The value is out of its range.
@@ -171,14 +171,14 @@ impl Settings {
         }
         changed.check()?;
         changed.core_config().validate_std()?;
-        // Also what the core is not told of these settings: the card keeps it.
+        // Settings that the core does not use are checked too, because the card stores them.
         if changed.is_sound() { Ok(changed) } else { Err(ConfigError::Std) }
     }
 
     fn set_number(&mut self, quantity: Quantity, value: f32) {
         let Self { config, stds, notes, weight_from, .. } = self;
         match quantity {
-            // Said by somebody who has another balance, and no std with it.
+            // A typed weight comes from another balance, and its uncertainty is not known.
             Quantity::Weight => {
                 config.weight_n = value;
                 *weight_from = Some(WeightFrom::Other);
@@ -198,13 +198,13 @@ impl Settings {
         }
     }
 
-    /// What the cell has weighed, it has weighed by another span: that does not cancel any more.
+    /// Sets the span. A weight measured with the previous span no longer cancels its error.
     pub(crate) fn set_span(&mut self, counts_per_n: f32) {
         self.config.calibration.counts_per_n = counts_per_n;
         self.weight_from = Some(WeightFrom::Other);
     }
 
-    /// What the core will refuse; the weight may still be missing.
+    /// Checks the configuration by the core's rules; the weight may still be missing.
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         let mut complete = self.config;
         if complete.weight_n == 0.0 {
@@ -213,8 +213,8 @@ impl Settings {
         complete.validate()
     }
 
-    /// Whether a logger could have written this: what comes from a card is held to
-    /// the same as what comes from the console.
+    /// Whether a logger could have written these settings: data from a card must satisfy the same
+    /// rules as data from the console.
     #[must_use]
     #[inline(never)]
     pub fn is_sound(&self) -> bool {
@@ -228,19 +228,19 @@ impl Settings {
     }
 }
 
-/// What is typed as 0 when it is unknown.
+/// `None` for 0, which is typed for an unknown value.
 fn known(value: f32) -> Option<f32> {
     (value != 0.0).then_some(value)
 }
 
-/// Whether all that are known are numbers not below zero.
+/// Whether all known values are finite and not negative.
 #[inline(never)]
 fn are_sizes(values: &[Option<f32>]) -> bool {
     values.iter().flatten().all(|value| (0.0..f32::INFINITY).contains(value))
 }
 
-/// Whether a letter can stand in a name: in a line's field and, a space as `_`, in a
-/// file's name.
+/// Whether a byte may occur in a name, which is written to a field of a line and, with `_` for a
+/// space, to a file name.
 #[must_use]
 pub fn fits_name(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.' | b' ')

@@ -1,4 +1,4 @@
-//! Where sectors go.
+//! The interface between journal and storage.
 
 use crate::record::{Record, Sector};
 
@@ -14,33 +14,33 @@ pub enum StoreError {
     Full,
 }
 
-/// What the card is like.
+/// State of the card.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CardState {
-    /// Nobody answers.
+    /// No card answers.
     #[default]
     NoCard,
-    /// It answers, but nothing can be read.
+    /// The card answers, but cannot be read.
     Unreadable,
-    /// exFAT, as large cards are sold.
+    /// exFAT, the format of large cards as sold.
     ExFat,
-    /// FAT12, as very small cards are sold.
+    /// FAT12, the format of very small cards as sold.
     Fat12,
-    /// None of those that a camera knows.
+    /// No file system that a camera uses.
     NotFat,
-    /// The log's file cannot be made: no room, or a directory that is full.
+    /// The log's file cannot be created: no free space, or a full directory.
     NoRoom,
-    /// The log's file is being made longer; so many percent are there.
+    /// The log's file is being extended; percentage done.
     Making(u8),
-    /// The log's file is whole, and written to its end.
+    /// The log's file is complete, and full of records.
     Full,
-    /// The log's file is whole.
+    /// The log's file is complete and has room.
     Ready,
 }
 
 impl CardState {
-    /// In words, for the console.
+    /// The state as text for the console.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -63,13 +63,13 @@ impl CardState {
     }
 }
 
-/// A place for sectors, filled from its beginning.
+/// Storage for sectors, filled in order.
 pub trait Store {
-    /// The last record of earlier times.
+    /// The last record written before power-up.
     fn last(&mut self) -> Option<Record>;
 
-    /// Does a little of what there is to do beside writing: looks for a card now and
-    /// then, makes the log's file longer. Returns what the card is like.
+    /// Performs a small step of other work: checks for a card from time to time, and extends the
+    /// log's file. Returns the card's state.
     fn tend(&mut self) -> CardState {
         CardState::Ready
     }
@@ -77,14 +77,14 @@ pub trait Store {
     /// Number of the sector that the next write will fill.
     fn next_sector(&self) -> u32;
 
-    /// Writes the next sector, through to the medium.
+    /// Writes the next sector through to the medium.
     ///
     /// # Errors
-    /// Nothing was written; the same sector may be tried again.
+    /// The sector was not written; writing it again is allowed.
     fn write(&mut self, sector: &Sector) -> Result<(), StoreError>;
 }
 
-/// A board without a card.
+/// Storage of a board without a card.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoStore;
 

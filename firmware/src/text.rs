@@ -1,4 +1,4 @@
-//! Values to text, small: with `core::fmt` they would be 5 kB more.
+//! Formatting in little code: `core::fmt` would take 5 kB more.
 
 use core::fmt;
 
@@ -7,7 +7,7 @@ use heapless::string::StringView;
 
 use crate::line::Text;
 
-/// A text that grows at its end. Of what does not fit, and all behind it, nothing is in it.
+/// A text that is appended to. The first part that does not fit, and all after it, is left out.
 #[derive(Debug)]
 pub struct Out<'t> {
     text: &'t mut StringView,
@@ -15,21 +15,21 @@ pub struct Out<'t> {
 }
 
 impl<'t> Out<'t> {
-    /// Goes on behind what there is.
+    /// Appends to an existing text.
     pub fn new(text: &'t mut StringView) -> Self {
         Self { text, is_cut: false }
     }
 
-    /// What there is.
+    /// The text so far.
     #[must_use]
     pub fn as_str(&self) -> &str {
         self.text
     }
 
-    /// Whether all is in it.
+    /// Checks that nothing was left out.
     ///
     /// # Errors
-    /// Something did not fit.
+    /// A part did not fit.
     pub fn end(self) -> fmt::Result {
         if self.is_cut { Err(fmt::Error) } else { Ok(()) }
     }
@@ -40,9 +40,9 @@ impl<'t> Out<'t> {
     }
 }
 
-/// Something that can be written out.
+/// A value with a text form.
 pub trait Show {
-    /// Adds it to the end of a text.
+    /// Appends the text form.
     fn show(&self, out: &mut Out<'_>);
 }
 
@@ -73,7 +73,7 @@ impl Show for i32 {
     }
 }
 
-// Parts in registers, one call each, take less room than a pair of them in memory.
+// One call per part, passed in registers, takes less code than a pair in memory.
 impl<A: Show, B: Show> Show for (A, B) {
     #[inline(always)]
     fn show(&self, out: &mut Out<'_>) {
@@ -91,7 +91,7 @@ impl<A: Show, B: Show, C: Show> Show for (A, B, C) {
     }
 }
 
-/// A whole number of at least so many digits.
+/// Appends an integer with at least `least` digits.
 #[inline(never)]
 pub(crate) fn whole(out: &mut Out<'_>, number: u64, least: usize) {
     let mut digits = [0; 20];
@@ -107,14 +107,14 @@ pub(crate) fn whole(out: &mut Out<'_>, number: u64, least: usize) {
     digits.iter().skip(20 - count).for_each(|digit| put(out, b'0' + digit));
 }
 
-/// As a line's text; what does not fit is left out.
+/// Text of a value, cut at the length of a line.
 pub(crate) fn text(content: impl Show) -> Text {
     let mut text = Text::new();
     content.show(&mut Out::new(&mut text));
     text
 }
 
-/// The same of many parts, of which each is not worth a function of its own.
+/// Text of many parts, cut at the length of a line, with less code than nested pairs.
 #[inline(never)]
 pub(crate) fn join(parts: &[&dyn Show]) -> Text {
     let mut text = Text::new();
@@ -123,7 +123,7 @@ pub(crate) fn join(parts: &[&dyn Show]) -> Text {
     text
 }
 
-/// A number with so many decimals, 1 to 4.
+/// A number (first field) with 1 to 4 decimals (second field).
 #[derive(Clone, Copy, Debug)]
 pub struct Fixed(pub f32, pub u32);
 
@@ -143,7 +143,7 @@ fn fixed(out: &mut Out<'_>, value: f32, decimals: u32) {
     whole(out, (rounded % scale).into(), decimals as usize);
 }
 
-/// The last hexadecimal digits of a number.
+/// The last hexadecimal digits of a number; the second field is how many.
 #[derive(Clone, Copy, Debug)]
 pub struct Hex(pub u32, pub u8);
 

@@ -1,6 +1,6 @@
-//! The time of day, counted in sampling periods of the crystal.
+//! The time of day, counted in sampling periods.
 //!
-//! It is set from outside and is not known before: a board without power has no clock.
+//! It is unknown until it is set, because a board without power does not keep time.
 
 use core::fmt;
 
@@ -8,52 +8,51 @@ use crate::long_division::divide;
 
 use crate::text::{Out, Show, whole};
 
-/// Milliseconds of two sampling periods, 16 a second.
+/// Duration of two sampling periods at 16 Hz, ms.
 const MS_OF_TWO: u64 = 125;
 const DAY_MS: u64 = 86_400_000;
 
-/// The time of day, once it is set.
+/// The time of day, if it is set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WallClock {
-    /// A moment, ms since 1970 (UTC), and the number of the sample that began then.
+    /// Start of a sample, ms since 1970 (UTC), and the index of that sample.
     set: Option<(u64, u32)>,
 }
 
 impl WallClock {
-    /// From now on it is known: the sample of this number begins at `unix_ms`.
+    /// Sets the clock: sample `index` begins at `unix_ms`.
     pub fn set(&mut self, unix_ms: u64, index: u32) {
         self.set = Some((unix_ms, index));
     }
 
-    /// When a sample began, ms since 1970 (UTC); `None` if nobody has set the clock.
+    /// Start of a sample, ms since 1970 (UTC); `None` if the clock is not set.
     #[must_use]
     pub fn at(&self, index: u32) -> Option<u64> {
         let (unix_ms, from) = self.set?;
-        // Half of all numbers lie before: samples since, or shortly before.
+        // Half of all indices count as later, the other half as earlier.
         let since = index.wrapping_sub(from) as i32;
         let ms = u64::from(since.unsigned_abs()) * MS_OF_TWO / 2;
         Some(if since < 0 { unix_ms.saturating_sub(ms) } else { unix_ms.saturating_add(ms) })
     }
 }
 
-/// Whole sampling periods in a time, the nearest number; 2³² - 1 at most.
+/// Nearest number of sampling periods in a time; at most 2³² - 1.
 #[must_use]
 pub fn periods(ms: u64) -> u32 {
-    // In 32 bits as far as that goes, which is 49 days: divisions of 64 are long.
+    // In 32 bits up to 49 days, because 64-bit divisions are long code.
     u32::try_from(ms)
         .map_or(u32::MAX, |ms| (ms / 125).saturating_mul(2) + (ms % 125 * 4 + 125) / 250)
 }
 
-/// A moment, ms since 1970 (UTC), as text: `2027-03-02T10:15:00.000Z`.
+/// A time, ms since 1970 (UTC), with the text form `2027-03-02T10:15:00.000Z`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Moment(pub u64);
 
 impl Moment {
-    /// Reads `2027-03-02T10:15:00Z`, with or without a fraction of the second; years 2000
-    /// to 2099.
+    /// Parses `2027-03-02T10:15:00Z`, with or without a fraction of a second; years 2000 to 2099.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
-        // From where to where, and what may stand behind.
+        // First and end position of a field, and the characters allowed after it.
         const FIELDS: [(usize, usize, &[u8]); 6] = [
             (0, 4, b"-"),
             (5, 7, b"-"),
@@ -78,8 +77,8 @@ impl Moment {
         Some(Self(moment.0 + u64::from(ms)))
     }
 
-    /// Of a calendar's two registers, as microcontrollers have them: decimal digits of four
-    /// bits, year of the century, month and day; hour, minute and second.
+    /// Time from the date and time registers of a microcontroller's calendar in BCD: year of the
+    /// century, month, day; hour, minute, second.
     #[must_use]
     pub fn of_calendar(date: u32, time: u32) -> Option<Self> {
         let [_, year, month, day] = (date & 0x00FF_1F3F).to_be_bytes();
@@ -90,7 +89,7 @@ impl Moment {
         )
     }
 
-    /// Of year, month and day; hour, minute and second.
+    /// Time from year, month and day; hour, minute and second.
     #[inline(never)]
     fn of([year, month, day]: [u32; 3], [hour, minute, second]: [u32; 3]) -> Option<Self> {
         let good =
@@ -98,7 +97,7 @@ impl Moment {
         if !good || hour > 23 || minute > 59 || second > 59 {
             return None;
         }
-        // The year begins in March: so its last month is the one that has another day.
+        // Years begin in March, so the leap day is the last day of a year.
         let since_march = (month + 9) % 12;
         let years = year - MARCH_YEAR - u32::from(since_march >= 10);
         let days = 1461 * years / 4 + (153 * since_march + 2) / 5 + day - 1 - MARCH_TO_1970;
@@ -110,12 +109,12 @@ impl Moment {
     }
 }
 
-/// A leap year whose first of March all days are counted from, and the days from there to 1970.
+/// A leap year from whose first of March days are counted, and the days from there to 1970.
 const MARCH_YEAR: u32 = 1968;
 const MARCH_TO_1970: u32 = 671;
 
-/// Year, month and day of a day since 1970. Up to 2099 every fourth year has a day more; all later days
-/// are the last one. From March on 153 days are five months.
+/// Year, month and day of a day since 1970. Valid to 2099, where every fourth year is a leap year;
+/// later days return the last one. From March on, five months have 153 days.
 #[inline(never)]
 fn date(day: u32) -> [u32; 3] {
     const LAST: u32 = 47_481;
@@ -129,13 +128,13 @@ fn date(day: u32) -> [u32; 3] {
     [MARCH_YEAR + years + u32::from(is_next), month, day]
 }
 
-/// Two decimal digits of four bits.
+/// Two decimal digits of four bits each.
 #[inline(never)]
 fn decimal(digits: u8) -> u32 {
     u32::from(10 * (digits >> 4) + (digits & 0xF))
 }
 
-/// Digits as a number.
+/// Decimal digits as a number.
 #[inline(never)]
 fn number(digits: &[u8]) -> Option<u32> {
     let add = |number: u32, digit: &u8| {
@@ -144,14 +143,14 @@ fn number(digits: &[u8]) -> Option<u32> {
     digits.iter().try_fold(0, add)
 }
 
-/// Digits behind the point as ms; what is finer is left out.
+/// Digits after the point as ms; finer digits are ignored.
 fn thousandths(digits: &[u8]) -> Option<u32> {
     number(digits).filter(|_| !digits.is_empty())?;
     let digit = |place: usize| digits.get(place).map_or(0, |digit| u32::from(digit - b'0'));
     Some(100 * digit(0) + 10 * digit(1) + digit(2))
 }
 
-/// Days since 1970, seconds of the day, ms of the second.
+/// Days since 1970, second of the day, ms of the second.
 #[inline(never)]
 fn parts(unix_ms: u64) -> (u32, u32, u16) {
     let (seconds, ms) = divide(unix_ms, 1000);
@@ -183,7 +182,7 @@ impl fmt::Display for Moment {
     }
 }
 
-/// The time of day of a moment, ms since 1970 (UTC), as text: `10:15:00`.
+/// Text form `10:15:00` of a time, ms since 1970 (UTC).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeOfDay(pub u64);
 
@@ -201,7 +200,7 @@ impl Show for TimeOfDay {
 #[cfg(test)]
 mod tests {
     use super::*;
-    /// Unix seconds from `date -u -d TEXT +%s`.
+    /// The expected Unix seconds are from `date -u -d TEXT +%s`.
     #[test]
     fn moments_are_those_of_the_calendar() {
         for (said, seconds) in [
@@ -231,10 +230,10 @@ mod tests {
 
     #[test]
     fn a_calendars_registers_are_a_moment() {
-        // A Friday, in the afternoon by a clock of twelve hours: neither matters.
+        // Day of the week and the 12-hour flag of the registers are ignored.
         let moment = Moment::of_calendar(0x27_B2_31, 0x40_0000 | 0x23_59_58);
         assert_eq!(moment, Moment::parse("2027-12-31T23:59:58Z"));
-        // As it is when it has never been set.
+        // Registers of a calendar that was never set.
         assert_eq!(Moment::of_calendar(0x2101, 0), Moment::parse("2000-01-01T00:00:00Z"));
         assert_eq!(Moment::of_calendar(0x2100, 0), None);
         assert_eq!(Moment::of_calendar(0x2101, 0x0000_007A), None);

@@ -1,4 +1,4 @@
-//! The ADS122C04 on I²C, transaction by transaction.
+//! The driver of the ADS122C04 on I²C, checked transaction by transaction.
 
 use embedded_hal::i2c::{ErrorKind, NoAcknowledgeSource};
 use embedded_hal_mock::eh1::delay::NoopDelay;
@@ -17,13 +17,13 @@ fn ask(command: u8, answer: &[u8]) -> Transaction {
     Transaction::write_read(CHIP, vec![command], answer.to_vec())
 }
 
-/// Counter, code most significant byte first, all inverted.
+/// Reading of the data: counter, code with its most significant byte first, and all inverted.
 fn data(counter: u8, code: [u8; 3]) -> Transaction {
     let [a, b, c] = code;
     ask(0x10, &[counter, a, b, c, !counter, !a, !b, !c])
 }
 
-/// Reset, four writes, four reads back, with the values for the bridge.
+/// Reset, four writes, and four reads back of the registers for the bridge.
 fn set_up() -> Vec<Transaction> {
     let writes = vec![
         write(&[0x06]),
@@ -35,7 +35,7 @@ fn set_up() -> Vec<Transaction> {
     [writes, registers()].concat()
 }
 
-/// Four reads back with the values for the bridge.
+/// Four reads back of the registers for the bridge.
 fn registers() -> Vec<Transaction> {
     vec![
         ask(0x20, &[0b0000_1110, 0b1111_0001]),
@@ -45,12 +45,12 @@ fn registers() -> Vec<Transaction> {
     ]
 }
 
-/// A conversion without fault, after which the next one starts.
+/// A conversion without a fault, after which the next one starts.
 fn sample(counter: u8, code: [u8; 3]) -> Vec<Transaction> {
     [vec![data(counter, code)], registers(), vec![start()]].concat()
 }
 
-/// The reference is converted at 2000 a second with gain 1, and what it gave.
+/// Conversion of the reference at 2000 a second with gain 1, with its result.
 fn monitor(counter: u8, code: [u8; 3]) -> Vec<Transaction> {
     vec![
         write(&[0x40, 0b1100_0001]),
@@ -62,7 +62,7 @@ fn monitor(counter: u8, code: [u8; 3]) -> Vec<Transaction> {
     ]
 }
 
-/// The first conversion after a set-up is asked for its data-ready bit.
+/// Query of the data-ready bit, made for the first conversion after a set-up.
 fn ready() -> Transaction {
     ask(0x28, &[0b1101_0000, 0b0010_1111])
 }
@@ -92,7 +92,7 @@ fn each_tick_reads_checks_every_register_and_starts() {
     let mut ticks =
         vec![vec![ready()], sample(1, [0x12, 0x34, 0x56]), sample(2, [0xFF, 0xFF, 0xFE])];
     let mut last = sample(3, [0x80, 0, 0]);
-    // The data-ready bit is not ours.
+    // The driver does not set the data-ready bit.
     last[3] = ask(0x28, &[0b1101_0000, 0b0010_1111]);
     ticks.push(last);
     run(script(&[set_up(), vec![start()], ticks.concat()]), |adc| {
@@ -103,7 +103,7 @@ fn each_tick_reads_checks_every_register_and_starts() {
     });
 }
 
-/// Two equal codes and the answer of the reference in between.
+/// Two equal codes, with the answer of the reference in between.
 fn repeated(answer: Transaction, after: Vec<Transaction>) -> Vec<Transaction> {
     let mut monitor = monitor(3, [0, 0, 0]);
     monitor[3] = answer;
@@ -149,7 +149,7 @@ fn full_scale_twice_is_full_scale() {
     });
 }
 
-/// After a fault the chip is set up again and the next conversion started.
+/// Checks that after a fault the chip is set up again and the next conversion started.
 fn one_fault(bad: Vec<Transaction>, fault: AdcFault) {
     let after = [vec![ready()], sample(1, [0, 0, 7])].concat();
     let all = script(&[set_up(), vec![start()], bad, set_up(), vec![start()], after]);

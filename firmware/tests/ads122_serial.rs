@@ -1,4 +1,4 @@
-//! The ADS122U04 on its serial line, byte by byte.
+//! The driver of the ADS122U04 on its serial line, checked byte by byte.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -9,7 +9,7 @@ use floe_core::Counts;
 use floe_firmware::adc::{AdcFault, BridgeAdc};
 use floe_firmware::ads122::{Ads122, SerialBus};
 
-/// What the driver must write, and what it then gets to read.
+/// Bytes that the driver must write, with the bytes that it reads afterwards.
 #[derive(Default)]
 struct Script {
     steps: VecDeque<(Vec<u8>, Vec<u8>)>,
@@ -23,7 +23,7 @@ impl Script {
         self
     }
 
-    /// Reset, four writes, four reads back, with the values for the bridge.
+    /// Reset, four writes, and four reads back of the registers for the bridge.
     fn set_up(self) -> Self {
         self.step(&[0x55, 0x06], &[])
             .step(&[0x55, 0x44, 0b0101_0000], &[])
@@ -33,7 +33,7 @@ impl Script {
             .registers()
     }
 
-    /// Four reads back with the values for the bridge.
+    /// Four reads back of the registers for the bridge.
     fn registers(self) -> Self {
         self.step(&[0x55, 0x20], &[0b0000_1110, 0b1111_0001])
             .step(&[0x55, 0x22], &[0b0011_0010, 0b1100_1101])
@@ -41,7 +41,7 @@ impl Script {
             .step(&[0x55, 0x26], &[0, 0xFF])
     }
 
-    /// The first conversion after a set-up is asked for its data-ready bit.
+    /// Query of the data-ready bit, made for the first conversion after a set-up.
     fn ready(self) -> Self {
         self.step(&[0x55, 0x24], &[0b1101_0000, 0b0010_1111])
     }
@@ -135,7 +135,7 @@ fn an_answer_cut_short_is_silence() {
 
 #[test]
 fn stale_bytes_are_thrown_away() {
-    // Three bytes too many after the start: they must not be taken for data.
+    // Three extra bytes after the start must not be taken for data.
     let script = Script::default()
         .set_up()
         .step(&[0x55, 0x08], &[9, 9, 9])

@@ -1,4 +1,4 @@
-//! What all Parquet files of Floe have in common.
+//! Settings and conversions common to all Parquet files of Floe.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -13,17 +13,17 @@ use parquet::file::properties::{
 use parquet::file::writer::SerializedRowGroupWriter;
 use parquet::schema::types::ColumnPath;
 
-/// Bytes of a dictionary, at most: a column with more values than this holds has hardly one
-/// twice, and to look for them takes most of the time of writing.
+/// Largest size of a dictionary, bytes: a column with more distinct values has hardly any repeated,
+/// and the search for them would take most of the time of writing.
 const DICTIONARY: usize = 1 << 16;
 
-/// What went wrong in its own words, without the library's in front.
+/// The error behind a Parquet error, without the library's prefix.
 pub(crate) fn io_error(error: ParquetError) -> io::Error {
     let ParquetError::External(cause) = error else { return io::Error::other(error) };
     cause.downcast().map_or_else(io::Error::other, |cause| *cause)
 }
 
-/// Texts as values of a column; one that stands again and again is copied once.
+/// Texts as values of a column; consecutive equal texts share one copy.
 pub(crate) fn texts<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<ByteArray> {
     let mut last = ByteArray::from("");
     let value = |text: &'a str| {
@@ -35,7 +35,8 @@ pub(crate) fn texts<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<ByteArray> 
     texts.map(value).collect()
 }
 
-/// Writes the next column of a group; `levels` are 0 where a row has no value, and none if all have one.
+/// Writes the next column of a group; `levels` is 0 where a row has no value; `None`: all rows have
+/// one.
 pub(crate) fn write<T: DataType>(
     group: &mut SerializedRowGroupWriter<'_, impl Write + Send>,
     values: &[T::T],
@@ -51,8 +52,8 @@ pub(crate) fn entry(key: &str, value: String) -> KeyValue {
     KeyValue::new(format!("floe.{key}"), value)
 }
 
-/// Compressed, with who wrote it and what it is about, each an [`entry`].
-/// No dictionary is tried for `measured` columns, whose values are hardly ever the same.
+/// Properties of a compressed file with its author and `about`, each an [`entry`]. `measured`
+/// columns get no dictionary, since their values hardly ever repeat.
 pub(crate) fn properties<'a>(
     about: &[(&str, String)],
     measured: impl Iterator<Item = &'a str>,

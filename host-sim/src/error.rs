@@ -1,12 +1,11 @@
-//! What a tool says when it cannot go on: one line, then exit code 2.
+//! Errors of the tools: a message of one line, with exit code 2.
 
 use std::borrow::Cow;
 use std::{fmt, io};
 
-/// A problem with something the user gave.
+/// A problem with an input of the user.
 ///
-/// Reads as one line that says where, what, and what to do about it, whatever the
-/// names and texts in it hold.
+/// Its text is one line with place, problem and remedy, whatever names and texts it contains.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputError(String);
 
@@ -16,13 +15,13 @@ impl InputError {
         Self(printable_line(&message.to_string()).into_owned())
     }
 
-    /// What cannot be read, with what the system says.
+    /// A failed read, with the system's message.
     #[must_use]
     pub fn unreadable(error: &io::Error) -> Self {
         Self::new(format!("cannot be read: {error}"))
     }
 
-    /// The same problem with the place where it is put in front.
+    /// Adds the place of the problem in front of the message.
     #[must_use]
     pub fn within(self, place: impl fmt::Display) -> Self {
         Self(format!("{}: {}", printable_line(&place.to_string()), self.0))
@@ -37,14 +36,14 @@ impl fmt::Display for InputError {
 
 impl std::error::Error for InputError {}
 
-/// So that what writes a file from a log can tell what is wrong with the log.
+/// Lets code that writes a file from a log return an error of the log.
 impl From<InputError> for io::Error {
     fn from(error: InputError) -> Self {
         Self::other(error)
     }
 }
 
-/// Text from a file made fit for a message: in quotes, printable and short.
+/// Text from a file for a message: in quotes, printable and short.
 #[must_use]
 pub fn excerpt(bytes: &[u8]) -> String {
     const LONGEST: usize = 40;
@@ -54,20 +53,20 @@ pub fn excerpt(bytes: &[u8]) -> String {
     format!("'{start}{tail}'")
 }
 
-/// Text of several lines that no terminal obeys: what is neither text nor the end of a
-/// line is written as `\u001b`, which in JSON is the same text as before.
+/// Text of several lines without control of the terminal: characters other than text and line ends
+/// are written as `\u001b`, which in JSON is equivalent.
 #[must_use]
 pub fn printable_text(text: &str) -> Cow<'_, str> {
     escaped(text, |letter| commands(letter) && !matches!(letter, '\n' | '\t'))
 }
 
-/// The same for what has to stay on one line.
+/// Text of one line without control of the terminal; line ends are escaped too.
 #[must_use]
 pub fn printable_line(text: &str) -> Cow<'_, str> {
     escaped(text, commands)
 }
 
-/// Letters that move the cursor, change its colours or turn the direction of text.
+/// Whether a letter moves the cursor, changes its colours or the direction of text.
 fn commands(letter: char) -> bool {
     let turns = matches!(letter, '\u{200E}' | '\u{200F}' | '\u{2028}'..='\u{202E}')
         || matches!(letter, '\u{061C}' | '\u{2066}'..='\u{2069}');

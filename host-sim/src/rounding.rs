@@ -1,37 +1,37 @@
-//! Numbers as people read them: digits that fit an uncertainty, and counts.
+//! Numbers as text for people: digits that fit an uncertainty, and counts.
 
-/// Less than this is nothing beside any other part of an uncertainty.
+/// Relative uncertainties below this are printed as zero.
 pub const LEAST: f64 = 1e-7;
 
-/// Decimals that give a number of this size four digits.
+/// Decimals that show four significant digits of a number of this size.
 #[must_use]
 pub fn decimals(size: f64) -> usize {
     let size = size.abs();
     if size > 0.0 { (3.0 - size.log10().floor()).clamp(0.0, 8.0) as usize } else { 0 }
 }
 
-/// A number of things: `1 event`, `2 events`.
+/// A count with its noun: `1 event`, `2 events`.
 #[must_use]
 pub fn counted(count: impl Into<u64>, thing: &str) -> String {
     let count = count.into();
     if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
-/// A number with six decimals at most and no idle zeros.
+/// A number with at most six decimals and no trailing zeros.
 #[must_use]
 pub fn significant(value: f64) -> String {
     let text = format!("{value:.6}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
-/// A number as it was given, without the hundreds of zeros that one may have.
+/// A number as it was given; in scientific form where it would have hundreds of digits.
 #[must_use]
 pub fn short(value: f64) -> String {
     let is_short = value == 0.0 || (1e-9..1e9).contains(&value.abs());
     if is_short { value.to_string() } else { format!("{value:e}") }
 }
 
-/// Decimals that show two digits of an uncertainty.
+/// Decimals that show two significant digits of an uncertainty.
 #[must_use]
 pub fn digits(std: f64) -> usize {
     if std < LEAST { 0 } else { (1.0 - std.log10().floor()).clamp(0.0, 8.0) as usize }
@@ -47,14 +47,14 @@ pub fn plus_minus(value: f64, std: f64) -> String {
     format!("{value:.decimals$} ± {std:.decimals$}")
 }
 
-/// An uncertainty with two digits of its own.
+/// An uncertainty with two significant digits.
 #[must_use]
 pub fn own_digits(std: f64) -> String {
     if std < LEAST { "0".to_string() } else { format!("{std:.*}", digits(std)) }
 }
 
-/// A part of an uncertainty: below a power of ten that is at most a hundredth of the whole,
-/// only that.
+/// A part of an uncertainty; a part far below the whole is printed as less than a power of ten that
+/// is at most a hundredth of the whole.
 #[must_use]
 pub fn part_of(part: f64, whole: f64) -> String {
     let exponent = (0.01 * whole).log10().floor().min(0.0);
@@ -65,7 +65,7 @@ pub fn part_of(part: f64, whole: f64) -> String {
     format!("<{limit:.*}", -exponent as usize)
 }
 
-/// An uncertainty in a column of four decimals; never one that reads as none.
+/// An uncertainty with four decimals; a positive one is never printed as zero.
 #[must_use]
 pub fn narrow(std: f64) -> String {
     if std > 0.0 && std < 5e-5 { "<0.0001".to_string() } else { format!("{std:.4}") }
@@ -101,7 +101,7 @@ mod tests {
             let text = part_of(0.000_99 * whole, whole);
             let limit: f64 = text.strip_prefix('<').unwrap().parse().unwrap();
             assert!((0.000_99..0.010_01).contains(&(limit / whole)), "{whole}: {text}");
-            // What is shown beside it is not less.
+            // The printed limit is not below the part.
             assert_ne!(part_of(1.01 * limit, whole), text);
         }
     }

@@ -1,4 +1,4 @@
-//! Texts that somebody writes: scenes, and lists of tests.
+//! Text files written by people: scenes, and lists of tests.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -8,13 +8,13 @@ use encoding_rs_io::DecodeReaderBytes;
 
 use crate::log::open::refuse_binary;
 
-/// Longest of them: a list of 100 000 tests. There are devices that have no end.
+/// Largest size, bytes: a list of 100 000 tests. A device file may never end.
 const LONGEST: u64 = 16 << 20;
 
-/// The text of a file, without the mark with which a spreadsheet says that it is UTF-8 or UTF-16.
+/// The text of a file, without a byte order mark (UTF-8 or UTF-16).
 ///
 /// # Errors
-/// It cannot be read, is no text, or longer than anybody writes.
+/// The file cannot be read, is no text, or is longer than `LONGEST`.
 pub(crate) fn read(path: &Path) -> io::Result<String> {
     let mut bytes = Vec::new();
     File::open(path)?.take(LONGEST + 1).read_to_end(&mut bytes)?;

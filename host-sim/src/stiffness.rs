@@ -1,11 +1,11 @@
-//! The pull against a post: the cable's stiffness from a line through force and
-//! take-up, the paper's Fig. 8.
+//! Stiffness of the cable from a pull against a post: slope of the force against the take-up (the
+//! paper's Fig. 8).
 
 use serde::Serialize;
 
-/// Part of the largest force from which the cable is straight enough.
+/// Start of the fit, as a share of the largest force: above it the cable is straight enough.
 const FROM: f64 = 0.2;
-/// Part of the largest force up to which the winch has not slowed down.
+/// End of the fit, as a share of the largest force: below it the winch has not slowed down.
 const TO: f64 = 0.95;
 /// Fewest samples for a line with an uncertainty.
 const FEWEST: usize = 8;
@@ -34,7 +34,7 @@ pub struct Pull {
     pub cable_length_m: Option<Measured>,
 }
 
-/// What the pull tells.
+/// Results of a pull.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Stiffness {
     /// `k = F' / w`, N/m.
@@ -52,19 +52,19 @@ pub struct Stiffness {
 }
 
 impl Stiffness {
-    /// What the winch's speed adds to the relative uncertainty of `k`.
+    /// Contribution of the winch's speed to the relative uncertainty of `k`.
     fn winch_relative(&self) -> f64 {
         let (k, rate) = (self.stiffness_n_per_m.relative(), self.loading_rate_n_per_s.relative());
         (k * k - rate * rate).max(0.0).sqrt()
     }
 }
 
-/// Fits the straight part of a pull, from 20 to 95 % of the largest force, given
-/// as (time in s, force in N) in order; `None` if too few samples rise.
+/// Fits the straight part of a pull, from 20 to 95 % of the largest force, given as (time in s,
+/// force in N) in order; `None` if too few samples rise.
 ///
-/// The uncertainty of the line counts samples whose residuals go together as
-/// fewer: `n (1 - r)/(1 + r)` with `r` the correlation of neighbours. What a
-/// bent line hides (sag, creep of the splices) is not in it.
+/// The uncertainty of the line uses an effective number of samples, `n (1 - r)/(1 + r)`, with `r`
+/// the correlation of neighbouring residuals. Errors that bend the line (sag, creep of the splices)
+/// are not included.
 #[must_use]
 pub fn stiffness(samples: &[(f64, f64)], pull: &Pull) -> Option<Stiffness> {
     let line = straight_part(samples);
@@ -80,8 +80,8 @@ pub fn stiffness(samples: &[(f64, f64)], pull: &Pull) -> Option<Stiffness> {
     })
 }
 
-/// What several pulls of a cable tell together: its own stretch and that of all that is not
-/// cable (splices, shackles, post), `1/k = 1/k0 + L/AE`.
+/// Combined result of several pulls of a cable: the compliance of the cable and that of everything
+/// else (splices, shackles, post), `1/k = 1/k0 + L/AE`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Together {
     /// Number of pulls.
@@ -89,16 +89,17 @@ pub struct Together {
     /// Mean `k`, N/m, where all had the same length; `null` for several lengths.
     pub stiffness_n_per_m: Option<Measured>,
     /// `AE`, N, from the change of `1/k` with the length; `null` for one length, and where the
-    /// change is within two standard deviations of nothing.
+    /// change is within two standard deviations of zero.
     pub ae_n: Option<Measured>,
-    /// `k0`, N/m; `null` for one length, and where `1/k0` is within two of nothing.
+    /// `k0`, N/m; `null` for one length, and where `1/k0` is within two standard deviations of
+    /// zero.
     pub end_stiffness_n_per_m: Option<Measured>,
 }
 
-/// Puts pulls together, each with the length of its cable, m; `None` for fewer than two.
+/// Combines pulls, each with the length of its cable, m; `None` for fewer than two.
 ///
-/// The pulls are weighted by the uncertainties of their own lines; what all have in common,
-/// the winch's speed, no number of pulls averages out.
+/// The weights come from the uncertainties of the lines; the uncertainty of the winch's speed is
+/// common to all pulls and is not reduced by their number.
 #[must_use]
 pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
     let [(_, first_m), _, ..] = pulls else { return None };
@@ -129,27 +130,27 @@ pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
     })
 }
 
-/// Length, m, compliance, m/N, and the weight of its square.
+/// Length, m, compliance, m/N, and statistical weight.
 fn compliance((pull, length_m): &(Stiffness, f64)) -> (f64, f64, f64) {
     let k = pull.stiffness_n_per_m.value;
     let std = pull.loading_rate_n_per_s.relative().max(SMALLEST) / k;
     (*length_m, 1.0 / k, std.powi(-2))
 }
 
-/// Lengths that differ by less, as a part, are one.
+/// Relative difference below which two lengths count as one.
 const SAME_LENGTH: f64 = 0.01;
-/// A compliance that is not so many standard deviations from nothing has no inverse.
+/// Standard deviations from zero below which a compliance is not inverted.
 const SURE: f64 = 2.0;
-/// No pull is known better than this, as a part.
+/// Smallest relative standard deviation of a pull.
 const SMALLEST: f64 = 1e-6;
 
-/// A product or quotient: relative variances add.
+/// A product or quotient of two values: relative variances add.
 fn product(a: Measured, b: Measured, combine: impl Fn(f64, f64) -> f64) -> Measured {
     let value = combine(a.value, b.value);
     Measured { value, std_error: value.abs() * a.relative().hypot(b.relative()) }
 }
 
-/// The samples on the way up to the largest force, the straight part of it.
+/// The samples of the rise to the largest force, within the straight part.
 #[must_use]
 pub fn straight_part(samples: &[(f64, f64)]) -> &[(f64, f64)] {
     let largest_n = samples.iter().map(|s| s.1).fold(0.0, f64::max);
@@ -238,7 +239,7 @@ mod tests {
         };
         assert!(near(found.ae_n, ae) && near(found.end_stiffness_n_per_m, ends), "{found:?}");
         assert_eq!(found.stiffness_n_per_m, None);
-        // One length: their mean, and neither.
+        // One length: the mean only, neither `AE` nor `k0`.
         let found = together(&pulls[..12]).unwrap();
         let k = (1.0 / ends + 5.0 / ae).recip();
         assert!(near(found.stiffness_n_per_m, k), "{found:?} {k}");
@@ -246,7 +247,7 @@ mod tests {
         assert_eq!(together(&pulls[..1]), None);
     }
 
-    /// Lengths so near to each other that the change of `k` is lost in its scatter.
+    /// Lengths so close that the change of `k` is lost in its scatter.
     #[test]
     fn a_change_that_is_not_sure_tells_no_ae() {
         let of = |length_m: f64, value: f64| {

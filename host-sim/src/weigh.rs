@@ -1,4 +1,4 @@
-//! The weight of a block from a recording of it on the tripod.
+//! The weight of a block from a recording of the block on the tripod.
 
 use floe_core::SampleFlag;
 use floe_core::signal::calibrate::Calibrator;
@@ -17,38 +17,38 @@ use record::{LeftOut, RARE, Record, Settled};
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-weigh/1";
 
-/// Longest record whose readings tell their step, s.
+/// Longest stretch for estimating the step of the readings, s.
 const LONGEST_S: f64 = 64.0;
 
-/// Fewest samples a second that show a swing: two for each period of the fastest that is looked
-/// for, 1.6 Hz in the force.
+/// Lowest sampling rate that shows a swing: two samples per period of the fastest one that is
+/// searched, 1.6 Hz in the force.
 const SLOWEST_HZ: f64 = 3.2;
 
-/// A load is one when it is so many standard deviations from zero.
+/// Standard deviations from zero above which a load counts as one.
 const SURE: f64 = 5.0;
 
-/// The weight, the same numbers as the board's but for the step of the readings, of which the
-/// board's own converter has none that counts, and for readings that are left out.
+/// The weight. The board computes the same numbers, but without the contribution of the readings'
+/// step, which is negligible there, and without leaving out readings.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Weight {
     /// [`SCHEMA`].
     pub schema: &'static str,
-    /// What a simulator says of its log; `null` for a measured one.
+    /// The remark of a simulator on its log; `null` for a measured log.
     pub synthetic: Option<String>,
-    /// Weight, the excess taken off, N.
+    /// Weight without the excess of the swing, N.
     pub weight_n: f64,
-    /// One standard deviation, N, with what the step of the readings leaves open; not the
-    /// zero's and not the span's.
+    /// One standard deviation, N, including the effect of the readings' step, without the
+    /// uncertainties of zero and span.
     pub weight_std_n: f64,
     /// Period of the swing, there and back, s; `null` if none is seen.
     pub swing_period_s: Option<f64>,
     /// Largest angle of the swing, rad.
     pub swing_amplitude_rad: Option<f64>,
-    /// What the swing added to the mean, N.
+    /// Excess of the mean due to the swing, N.
     pub excess_n: f64,
-    /// Zero of the load cell that was taken off, N: what the log says of it.
+    /// Zero of the load cell that was subtracted, N, from the log.
     pub zero_n: f64,
-    /// Length of the part that was used, the last of the log, s.
+    /// Length of the part that was used, at the end of the log, s.
     pub duration_s: f64,
     /// Scatter of means of a quarter of a second about the fit, N.
     pub scatter_n: f64,
@@ -58,11 +58,11 @@ pub struct Weight {
     pub saturated: usize,
 }
 
-/// Weighs what hangs in a log.
+/// Computes the weight from a log.
 ///
 /// # Errors
-/// The log cannot be read, or is too slow to show a swing, or the load does not rest at its end or
-/// is beyond the range, or the readings never change.
+/// The log cannot be read or is too slow to show a swing, the load does not rest at its end or is
+/// beyond the range, or the readings never change.
 pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputError> {
     check_rate(log.rate_hz())?;
     let zero = zero(log)?;
@@ -78,7 +78,7 @@ pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputErro
     };
     let rest = weighing.rest().map_err(refused)?;
     let known = f64::from;
-    // Half of the part that counts, the last of the log, is behind its middle.
+    // The zero at the middle of the part used, which is at the end of the log.
     let zero_n = zero.at(1.0 - 0.5 * known(rest.duration_s) / log_s.max(known(rest.duration_s)));
     let load = rest.load(zero_n as f32).map_err(refused)?;
     let used_s = known(rest.duration_s).min(LONGEST_S);
@@ -115,21 +115,21 @@ fn check_rate(rate_hz: f64) -> Result<(), InputError> {
     )))
 }
 
-/// The zero that the log says, as a replay takes it off.
+/// The zero stated in the log, as a replay subtracts it.
 fn zero(log: &Log) -> Result<Zero, InputError> {
     let known = KnownOptions::default();
     known.inputs(&log.metadata().known).iter().try_for_each(|input| input.check(log))?;
     Ok(known.zero(log))
 }
 
-/// The last readings, and what was left out of them; few are beyond the range.
+/// The last readings and those left out; an error if more than a few are beyond the range.
 fn read(log: &mut Log, calibrator: &Calibrator) -> Result<Settled, InputError> {
     let mut record = Record::new(log.rate_hz());
     let mut next = None;
     while let Some(sample) = log.next_sample()? {
         let index = sample.raw.index;
         let missing = index.saturating_sub(*next.get_or_insert(index));
-        // A longer gap empties the window just as well.
+        // A longer gap empties the window just the same.
         for _ in 0..missing.min(10_000) {
             record.push(sample.time_s, Err(SampleFlag::Rejected));
         }
@@ -156,7 +156,7 @@ fn check(value: f64, std: f64) -> Result<(), InputError> {
     }))
 }
 
-/// What is cut off at the end of the range has no mean.
+/// The error for readings at the end of the range, which have no mean.
 fn overloaded(saturated: usize, readings: usize) -> InputError {
     InputError::new(format!(
         "{saturated} of the last {readings} readings are at or beyond the end of the range of the \
@@ -165,7 +165,7 @@ fn overloaded(saturated: usize, readings: usize) -> InputError {
     ))
 }
 
-/// Readings that are all the same tell no step.
+/// The error for readings that are all equal, whose step is unknown.
 fn unchanging(force_n: f32) -> InputError {
     InputError::new(format!(
         "every reading is {force_n} N: their step, and how far off the weight may be, is not known; \

@@ -1,4 +1,4 @@
-//! The error budget from outside: options, metadata, JSON.
+//! Error budget on the command line: options, metadata, JSON.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,7 +7,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 const LOG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/logs/dff8-13.csv");
-/// Everything exactly known.
+/// Options for exactly known inputs.
 const EXACT: [&str; 10] = [
     "--weight-std-n",
     "0",
@@ -37,7 +37,7 @@ fn replay_of(log: &Path, options: &[&str]) -> Value {
     serde_json::from_slice(&program.stdout).unwrap()
 }
 
-/// A log of one of the scenes of honesty.
+/// A log of one of the scenes in `scenes/honesty`.
 fn simulated(folder: &TempDir, name: &str, seed: &str) -> PathBuf {
     let log = folder.path().join("log.csv");
     let scene = format!("{}/scenes/honesty/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -96,15 +96,15 @@ fn what_is_exactly_known_contributes_nothing() {
 fn a_zero_before_and_after_is_taken_off_linearly() {
     let plain = replay(&EXACT);
     let zeroed = replay(&["--zero-before-n", "0", "--zero-after-n", "12.6"]);
-    // Half of 12.6 N of 630 N on average.
+    // On average half of 12.6 N, over 630 N.
     let mean = |result: &Value| number(&result["estimate"]["mu"]["mean"]);
     let moved = mean(&plain) - mean(&zeroed);
     assert!((moved - 0.01).abs() < 5e-4, "{moved}");
     assert!((number(&line(&zeroed, "zero_n")["std"]) - 12.6 / 12_f64.sqrt()).abs() < 1e-3);
 }
 
-/// Friction that wanders looks like a zero that moves. Whoever has taken the zero before and after is not told
-/// to, and has it in no interval.
+/// Friction that drifts looks like a drift of the zero. With the zero measured before and after the
+/// test no drift is estimated, and no interval includes one.
 #[test]
 fn a_zero_that_was_taken_twice_is_asked_of_no_event() {
     let folder = tempfile::tempdir().unwrap();
@@ -198,7 +198,7 @@ fn a_standard_deviation_that_cannot_be_is_refused() {
     }
 }
 
-/// A drift that shows late is in the rows of the events before it as well.
+/// A drift that is seen late also widens the intervals of the earlier events.
 #[test]
 fn what_the_test_tells_of_the_zero_reaches_its_first_events() {
     let folder = TempDir::new().unwrap();

@@ -1,4 +1,5 @@
-//! `floe campaign`, `stiffness` and `simulate` as commands: the same bytes whatever the number of threads, and real logs.
+//! `floe campaign`, `stiffness` and `simulate` as commands: output independent of the number of
+//! threads, and real logs.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -115,7 +116,7 @@ fn bad_input_is_one_clear_line() {
     fs::remove_dir_all(folder).unwrap();
 }
 
-/// What is assumed about a log stands beside its numbers, and so does that it is there twice.
+/// Assumptions about a log and duplicate logs are reported with the numbers.
 #[test]
 fn what_is_assumed_and_what_is_there_twice_is_said() {
     let folder = folder("notes");
@@ -136,7 +137,7 @@ fn what_is_assumed_and_what_is_there_twice_is_said() {
     fs::remove_dir_all(folder).unwrap();
 }
 
-/// Nobody reads standard error any more: no reason to panic.
+/// A closed standard error causes no panic.
 #[test]
 fn what_nobody_reads_is_no_panic() {
     let folder = folder("unread");
@@ -151,8 +152,7 @@ fn what_nobody_reads_is_no_panic() {
     fs::remove_dir_all(folder).unwrap();
 }
 
-/// A test's words are those of its log, and who reads only the table, the report or the events
-/// is told, too.
+/// Simulated tests are marked in every output: table, report, events and JSON.
 #[test]
 fn what_was_simulated_is_said_everywhere() {
     let folder = folder("simulated");
@@ -188,7 +188,7 @@ fn what_was_simulated_is_said_everywhere() {
     fs::remove_dir_all(folder).unwrap();
 }
 
-/// Static before dynamic, as everywhere: in JSON, table and report.
+/// `mu_s` comes before `mu` in JSON, table and report.
 #[test]
 fn mu_s_stands_before_mu() {
     let folder = folder("order");
@@ -214,7 +214,7 @@ fn mu_s_stands_before_mu() {
     fs::remove_dir_all(folder).unwrap();
 }
 
-/// A block on the bench weighs less than a newton; one test is no trend.
+/// A block on a bench weighs less than a newton; one test gives no trend.
 #[test]
 fn one_small_test_is_read_with_its_own_digits() {
     let folder = folder("small");
@@ -234,7 +234,7 @@ fn one_small_test_is_read_with_its_own_digits() {
     fs::remove_dir_all(folder).unwrap();
 }
 
-/// A long name moves all columns; two equal tests do not scatter, and there is no trend.
+/// A long name widens its column; two equal tests have no scatter and give no trend.
 #[test]
 fn columns_stand_below_their_heads() {
     let folder = folder("columns");
@@ -245,7 +245,7 @@ fn columns_stand_below_their_heads() {
     }
     let output = floe(&folder, &["campaign", "."]);
     let said = String::from_utf8(output.stdout).unwrap();
-    // Below the line that says SIMULATED.
+    // Below the line with SIMULATED.
     let lines: Vec<&str> = said.lines().skip(2).collect();
     let end = lines[0].find("weight").unwrap() + "weight".len();
     for row in &lines[2..4] {

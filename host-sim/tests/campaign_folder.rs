@@ -1,4 +1,5 @@
-//! What `floe campaign` finds in a folder, a list or a table, and what it says of the rest.
+//! Input of `floe campaign`: a folder, a list or a table, and the reports on files that are left
+//! out.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +16,7 @@ fn campaign(folder: &Path, arguments: &[&str]) -> Output {
     command.current_dir(folder).arg("campaign").args(arguments).output().unwrap()
 }
 
-/// The JSON, and what was said on standard error.
+/// The JSON, and the text on standard error.
 fn json(folder: &Path, arguments: &[&str]) -> (serde_json::Value, String) {
     let output = campaign(folder, &[arguments, &["--strict", "--json"]].concat());
     let said = text(&output.stderr);
@@ -23,7 +24,7 @@ fn json(folder: &Path, arguments: &[&str]) -> (serde_json::Value, String) {
     (serde_json::from_slice(&output.stdout).unwrap(), said)
 }
 
-/// The log as `floe recover --toa5` writes it: without the weight.
+/// The log in the form of `floe recover --toa5`: without the weight.
 fn toa5() -> String {
     let mut text = "\"TOA5\",\"floe\",\"floe\",\"1\",\"1\",\"pull\",\"1\",\"pull\"\n\
                     \"TIMESTAMP\",\"RECORD\",\"force_n\"\n\"TS\",\"RN\",\"N\"\n\"\",\"\",\"Smp\"\n"
@@ -37,7 +38,7 @@ fn toa5() -> String {
     text
 }
 
-/// `floe recover --toa5` leaves a test in two forms, and what the board said, perhaps nothing.
+/// `floe recover --toa5` writes a test in two forms, and a text file that may be empty.
 #[test]
 fn a_recovered_folder_is_taken_as_it_is() {
     let folder = directory("recovered");
@@ -48,7 +49,7 @@ fn a_recovered_folder_is_taken_as_it_is() {
     assert_eq!((&found["tests"], &found["left_out"]), (&1.into(), &serde_json::json!([])));
     assert!(said.contains("pull.dat is the log ./pull.csv again: it counts once"), "{said}");
 
-    // The table may name the other form.
+    // The table may name either form.
     fs::write(folder.join("tests.csv"), "file,weight_n\npull.dat,700\n").unwrap();
     let (found, said) = json(&folder, &["."]);
     assert_eq!(found["tests"], 1);
@@ -71,13 +72,13 @@ fn a_log_counts_once() {
     let twice = campaign(&folder, &["list"]);
     assert_refused(&twice, &["list: line 3: the log 'x.csv' stands in line 1 already"]);
 
-    // A copy is another file; its forces tell, whatever the weight.
+    // A copy is another file; its equal forces show it, whatever the weight.
     fs::write(folder.join("y.csv"), LOG).unwrap();
     fs::write(folder.join("tests.csv"), "file,weight_n,test_id\ny.csv,700,again\n").unwrap();
     let (found, said) = json(&folder, &["."]);
     assert_eq!(found["tests"], 2);
     assert!(said.contains("again and DFF8-13 give the same numbers, force by force"), "{said}");
-    // Of one file two columns are two tests.
+    // Two columns of one file are two tests.
     let two = LOG.replace("time_s,force_n", "time_s,a_n,b_n");
     let two: String = two
         .lines()
@@ -149,7 +150,7 @@ fn mistakes_in_a_table_are_one_line() {
     assert_refused(&campaign(&folder, &["."]), &["tests.csv: cannot be read: is a spreadsheet"]);
 }
 
-/// A campaign has a table where a replay has options.
+/// Error messages suggest the table of a campaign where a replay would have options.
 #[test]
 fn remedies_are_those_of_a_campaign() {
     let folder = directory("remedies");

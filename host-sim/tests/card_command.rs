@@ -1,5 +1,5 @@
-//! A board's log as `floe replay`, `inspect` and `recover` see it: whatever order its sectors
-//! are in, and whatever is left of it.
+//! Logs of a board with `floe replay`, `inspect` and `recover`: sectors in any order, and damaged
+//! or missing ones.
 
 use std::fs;
 use std::path::Path;
@@ -49,7 +49,7 @@ fn two_tests() -> Vec<Sector> {
     [test(1, 0, 30), test(2, 30, 12)].concat()
 }
 
-/// Changes a value that no logger writes, with a right checksum.
+/// Changes a value to one that no logger writes, with a valid checksum.
 fn unsound(mut sector: Sector) -> Sector {
     sector[36..40].copy_from_slice(&f32::NAN.to_le_bytes());
     seal(&mut sector);
@@ -82,7 +82,7 @@ fn the_order_of_the_sectors_does_not_matter() {
     let mut swapped = sectors.clone();
     swapped.swap(7, 8);
     let reversed: Vec<Sector> = sectors.iter().rev().copied().collect();
-    // 17 and 42 have no divisor in common.
+    // 17 and 42 are coprime.
     let shuffled: Vec<Sector> = (0..42).map(|i| sectors[17 * i % 42]).collect();
     for card in [swapped, reversed, shuffled] {
         assert_eq!(replayed(&dir, &card.concat()), as_written);
@@ -116,7 +116,7 @@ fn what_is_damaged_is_said_alike() {
         "a last sector that is cut off: left out",
     ];
     assert_eq!(warnings, expected);
-    // Of an image's other files nothing is damaged.
+    // The other files of an image do not count as damaged sectors.
     let image = [&[7; SECTOR_LEN][..], &two_tests().concat()].concat();
     assert!(recovered(&dir, &image).contains("sectors: 42 read, 0 damaged, 0 lost\n"));
 }
@@ -132,7 +132,7 @@ fn what_holds_no_test_is_refused_with_the_reason() {
     let settings = Record::default().encode();
     fs::write(dir.join("settings.log"), settings).unwrap();
     assert_refused(&floe(&dir, &["replay", "settings.log"]), &["settings.log", "no test"]);
-    // Images and what is damaged all over are for the other command.
+    // Disk images and badly damaged files are refused with a hint at `recover`.
     let mut boot = [0; SECTOR_LEN];
     boot[510..].copy_from_slice(b"\x55\xAA");
     fs::write(dir.join("card.img"), [&boot[..], &[0; 1 << 16], &two_tests().concat()].concat())

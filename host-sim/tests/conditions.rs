@@ -1,5 +1,5 @@
-//! What the logs of a field season need beside the block on level ice: a block under the ice,
-//! several pulls against a post, dates.
+//! Conditions of a field season other than a block on level ice: a block under the ice, several
+//! pulls against a post, dates.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// What it says on standard output and error, and its exit code.
+/// Standard output, standard error and exit code.
 fn floe(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
     let output = command.current_dir(folder).args(arguments).output().unwrap();
@@ -37,7 +37,7 @@ fn simulate(folder: &Path, scene: &str, log: &str) {
     assert_eq!(code, 0, "{error}");
 }
 
-/// The bundled scene of it, with the drag of the water: a few parts in a thousand of `mu`.
+/// The bundled scene of a block under the ice: drag of the water adds a few thousandths to `mu`.
 #[test]
 fn water_that_drags_is_a_little_friction() {
     let folder = folder("drag");
@@ -54,8 +54,8 @@ fn water_that_drags_is_a_little_friction() {
     assert!((mean("drag.csv", "mu_s") - 1.2).abs() < 0.004);
 }
 
-/// Rests of one second to a hundred: the trend that a campaign finds in tests whose hold times
-/// differ is the one that was put in.
+/// Rests of one second to a hundred: a campaign of tests with different hold times finds the trend
+/// of the scenes.
 #[test]
 fn a_campaign_finds_static_friction_against_the_time_of_rest() {
     let folder = folder("hold");
@@ -80,7 +80,7 @@ fn a_campaign_finds_static_friction_against_the_time_of_rest() {
     assert!(page.contains("id=\"hold-mu-s-wide\""));
 }
 
-/// Rist's law stands beside tests of several weights, Figs 9 and 10's groups in the table.
+/// A campaign of several weights shows Rist's law, and the groups of Figs 9 and 10 in its table.
 #[test]
 fn rist_and_the_groups_of_the_figures_are_in_a_campaign() {
     let folder = folder("figures");
@@ -106,8 +106,8 @@ fn rist_and_the_groups_of_the_figures_are_in_a_campaign() {
     assert!(page.contains("class=\"rist\""));
 }
 
-/// Under the ice a block of 2000 N of weight is pressed up by 200 N: its motion is that of a
-/// block on the ice whose coefficients are a tenth.
+/// A block of 2000 N under the ice with a normal force of 200 N moves like a block on the ice with
+/// a tenth of the coefficients.
 #[test]
 fn under_the_ice_the_normal_force_presses_and_the_mass_moves() {
     let folder = folder("under");
@@ -129,7 +129,7 @@ fn under_the_ice_the_normal_force_presses_and_the_mass_moves() {
     assert!((found["test"]["mass_kg"].as_f64().unwrap() - 203.943).abs() < 0.001);
     assert_eq!(on["test"]["mass_kg"], Value::Null);
 
-    // The log may say it.
+    // The same numbers in the log's metadata.
     let log = fs::read_to_string(folder.join("under.csv")).unwrap();
     let said = format!("# normal_n: 200\n# mass_kg: {mass_kg}\n{}", without_weight(&log));
     fs::write(folder.join("said.csv"), said).unwrap();
@@ -158,7 +158,7 @@ fn without_weight(log: &str) -> String {
     lines.map(|line| format!("{line}\n")).collect()
 }
 
-/// A pull of a cable of 345 kN and so many metres behind ends of 200 kN/m.
+/// A pull of a cable with AE of 345 kN and this length, with end fittings of 200 kN/m.
 fn post(folder: &Path, length_m: f64, log: &str) {
     let k = (1.0 / 200_000.0 + length_m / 345_000.0_f64).recip();
     let scene = format!(
@@ -191,7 +191,7 @@ fn pulls_of_two_lengths_tell_the_cable_from_its_ends() {
 
     let (text, _, _) = floe(&folder, &both);
     assert!(text.contains("AE ") && text.contains("k0, its ends"), "{text}");
-    // One length: the mean; no length: no more than each.
+    // One length: the mean; without a length: each pull alone.
     let same = ["stiffness", "short.csv", "short.csv", "--cable-length-m", "5", "--json"];
     let mean = &json(&folder, &same)["together"];
     assert!(mean["stiffness_n_per_m"]["value"].as_f64().unwrap() > 50_000.0, "{mean}");

@@ -1,5 +1,5 @@
-//! What every command of `floe` does alike: `--json [FILE]`, files that were there, text
-//! without colours in a pipe.
+//! Conventions of all commands of `floe`: `--json [FILE]`, existing files, text without colours in
+//! a pipe.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,10 +10,10 @@ mod command;
 use command::{assert_refused, text};
 
 const REPLACED: &str = "the file that was there has been replaced";
-/// An older result, as far as its beginning goes.
+/// Beginning of an older result.
 const OLD: &str = "{\n  \"schema\": \"floe-replay/2\"";
 
-/// A directory with the bundled log in it, a rest and a pull against a post.
+/// A directory with the bundled log, a recording at rest and a pull against a post.
 fn directory(test: &str) -> PathBuf {
     let path = command::directory(test);
     let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("logs/dff8-13.csv");
@@ -41,7 +41,7 @@ fn floe(directory: &Path, arguments: &[&str]) -> Output {
     output
 }
 
-/// As files of a disk from elsewhere are.
+/// File names from another system may be invalid UTF-8.
 #[cfg(unix)]
 #[test]
 fn a_report_can_have_a_name_that_is_no_text() {
@@ -55,7 +55,7 @@ fn a_report_can_have_a_name_that_is_no_text() {
     assert!(fs::read_to_string(dir.join(name)).unwrap().contains("d\u{fffd}.html"));
 }
 
-/// Commands that evaluate a log, with one that suits them.
+/// Commands that evaluate a log, each with a suitable log.
 const ON_LOGS: [(&str, &str); 4] = [
     ("replay", "log.csv"),
     ("inspect", "log.csv"),
@@ -127,7 +127,7 @@ fn outputs_are_written_whole_and_never_over_the_log() {
     assert_eq!(fs::read_to_string(dir.join("a.json")).unwrap(), OLD);
 }
 
-/// As `replay --events *.csv` does, whose first file a shell makes the output.
+/// `replay --events *.csv` makes the first file that the shell lists the output.
 #[test]
 fn no_result_replaces_a_file_that_is_none() {
     let dir = directory("theirs");
@@ -156,7 +156,7 @@ fn no_result_replaces_a_file_that_is_none() {
     );
 }
 
-/// Every kind of result, and an empty file.
+/// Results of every kind, and an empty file.
 #[test]
 fn results_replace_results_of_any_kind() {
     let dir = directory("ours");
@@ -222,7 +222,7 @@ fn figures_and_other_outputs_never_share_a_file() {
     }
     assert_eq!(fs::read_dir(dir.join("there")).unwrap().count(), 0);
     assert!(!dir.join("new").exists());
-    // Beside each other they are welcome, and each is named.
+    // The figures may stand in the folder of the report, and each file is listed.
     let said =
         floe(&dir, &["replay", "log.csv", "--figures", "there", "--report", "there/page.html"]);
     let said = text(&said.stdout);

@@ -1,4 +1,4 @@
-//! Names, texts and paths that mean harm, and outputs that would destroy.
+//! Malicious names, texts and paths, and outputs that would overwrite an input.
 #![cfg(unix)]
 
 use std::fs;
@@ -26,7 +26,7 @@ fn floe(directory: &Path, arguments: &[&str]) -> Output {
     command.current_dir(directory).args(arguments).output().unwrap()
 }
 
-/// Nothing that a terminal obeys, on either output.
+/// Asserts that neither output has control characters for a terminal.
 fn assert_clean(output: &Output) {
     for bytes in [&output.stdout, &output.stderr] {
         let said = text(bytes);
@@ -40,7 +40,7 @@ fn ramp(head: &str) -> String {
     format!("{head}time_s,force_n\n{}", (0..60).map(row).collect::<String>())
 }
 
-/// A log of one test with that name in its field, its checksum right.
+/// A card's log of one test with this name in its field and a valid checksum.
 fn card(name: &[u8], version: u8) -> Vec<u8> {
     let sample = |index| Sample {
         index,
@@ -96,7 +96,7 @@ fn no_name_on_a_card_leads_out_of_the_folder() {
     assert_eq!(here, ["bad.log", "good", "good.log"]);
 }
 
-/// A device that gives zeros for ever is no card, no scene and no list.
+/// A device that gives zeros for ever is refused as a card, a scene, a list and a log.
 #[test]
 fn what_never_ends_is_refused() {
     for (arguments, why) in [
@@ -131,7 +131,7 @@ fn links_in_the_output_folder_are_not_followed() {
     let refused = floe(&dir, &["recover", "card.log", "-o", "out"]);
     assert_refused(&refused, &["test-0001-A.csv", "is there already"]);
     assert!(!dir.join("victim").exists());
-    // A new file where a link leads nowhere replaces the link.
+    // A link without a target is replaced by the new file.
     fs::write(dir.join("log.csv"), ramp("")).unwrap();
     symlink(dir.join("victim"), dir.join("result.json")).unwrap();
     let done = floe(&dir, &["replay", "log.csv", "--weight-n", "9", "--json", "result.json"]);
@@ -205,7 +205,7 @@ fn an_input_is_never_an_output() {
     assert_refused(&floe(&dir, &["campaign", "list.txt", "--report", "sub/../list.txt"]), already);
     let two = ["replay", "log.csv", "--json", "new", "--events", "sub/../new"];
     assert_refused(&floe(&dir, &two), already);
-    // Standard input is the log by another way.
+    // Standard input may be the log itself.
     let fed = Command::new(env!("CARGO_BIN_EXE_floe"))
         .current_dir(&dir)
         .args(["replay", "-", "--json", "log.csv"])
@@ -300,8 +300,8 @@ fn impossible_scenes_end_in_a_line() {
     assert!(!dir.join("log.csv").exists());
 }
 
-/// Megabytes of noise, faster than anybody reads: what is not taken is counted, the
-/// memory stays as it is, and an event that comes later is shown.
+/// Megabytes of noise, faster than they are processed: damaged lines are counted and the memory
+/// stays constant.
 #[test]
 fn a_flood_is_counted_and_costs_no_memory() {
     let dir = directory("flood");
@@ -339,7 +339,7 @@ fn a_flood_is_counted_and_costs_no_memory() {
     child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
     child.wait().unwrap();
     assert!(said.contains("damaged lines so far"), "{said}");
-    // What is kept is text.
+    // The kept file is text without control characters.
     let kept = fs::read(dir.join("kept.txt")).unwrap();
     let bad = String::from_utf8_lossy(&kept).chars().find(|c| c.is_control() && *c != '\n');
     assert_eq!(bad, None);

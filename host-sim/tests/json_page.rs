@@ -1,4 +1,4 @@
-//! `docs/json.md` has every field that is written, and none that is not.
+//! `docs/json.md` lists exactly the fields that are written.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -7,14 +7,14 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// Fields of all objects as the page writes them: `events[].mu_s`; those of `mu` as those of `mu_s`.
+/// Paths of all fields in the notation of the page: `events[].mu_s`.
 fn fields(value: &Value, place: &str, found: &mut BTreeSet<String>) {
     match value {
         Value::Object(object) => {
             for (name, value) in object {
                 let dot = if place.is_empty() { "" } else { "." };
                 let path = format!("{place}{dot}{name}");
-                // What holds fields is named by them.
+                // An object is represented by its fields.
                 if !value.is_object() {
                     found.insert(path.clone());
                 }
@@ -28,7 +28,7 @@ fn fields(value: &Value, place: &str, found: &mut BTreeSet<String>) {
     }
 }
 
-/// The fields in the tables of a section, and those in tables of what may be empty.
+/// The fields in the tables of a section, and those in its tables of lists that may be empty.
 fn told(page: &str, title: &str) -> [BTreeSet<String>; 2] {
     let section = page.split("\n## ").find(|section| section.starts_with(title)).unwrap();
     let (first, empty) = section.split_once("Elements of lists").unwrap_or((section, ""));
@@ -78,7 +78,7 @@ fn the_page_has_every_field_and_no_other() {
     ] {
         let [told, empty] = told(&page, title);
         let written = written(&arguments);
-        // Fields of `mu` are told as those of `mu_s`.
+        // The page lists the fields of `mu` under `mu_s`.
         let same = |path: &str| {
             let ended = format!("{path}.").replace(".mu.", ".mu_s.");
             ended.trim_end_matches('.').to_string()

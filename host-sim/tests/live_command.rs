@@ -1,4 +1,4 @@
-//! `floe live` as a command: ports that are none, and a board on a socket of this PC.
+//! `floe live` as a command: invalid ports, and a simulated board on a local socket.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -18,7 +18,7 @@ fn floe(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_floe")).arg("live").args(arguments).output().unwrap()
 }
 
-/// The one line that a refusal says.
+/// The one line of a refusal.
 fn refusal(arguments: &[&str]) -> String {
     let output = floe(arguments);
     let said = String::from_utf8(output.stderr).unwrap();
@@ -54,7 +54,7 @@ fn settings() -> String {
     text(&Line::Start { run: 1, settings })
 }
 
-/// A display that reads a board which the test plays.
+/// A display connected to a board that the test plays.
 struct Live {
     listener: TcpListener,
     child: Child,
@@ -76,7 +76,7 @@ impl Live {
         Self { listener, child, lines }
     }
 
-    /// The display comes, and asks.
+    /// Accepts the connection and the first question of the display.
     fn accept(&self) -> TcpStream {
         let (mut board, _) = self.listener.accept().unwrap();
         board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
@@ -90,7 +90,7 @@ impl Live {
         self.lines.next().unwrap().unwrap()
     }
 
-    /// Ends it; what it said on standard error.
+    /// Ends the display; returns its standard error.
     fn end(mut self) -> String {
         self.child.kill().unwrap();
         let mut said = String::new();
@@ -108,7 +108,7 @@ fn ports_that_are_none() {
     assert!(missing.contains("there are: ") || missing.contains("plug the board in"), "{missing}");
     let file = env!("CARGO_MANIFEST_DIR").to_string() + "/Cargo.toml";
     assert!(refusal(&[&file]).contains("Cargo.toml: cannot be used as a serial port: "));
-    // A port that was just free, so that nobody listens.
+    // A port that was free a moment ago, where nothing listens.
     let free = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
     let refused = refusal(&[&free]);
     assert!(refused.starts_with(&format!("floe: {free}: nobody listens there")), "{refused}");
@@ -130,8 +130,8 @@ fn no_file_is_overwritten() {
     fs::remove_file(kept).unwrap();
 }
 
-/// The board is attached to in the middle of a line, a line is damaged, the port goes
-/// away in the middle of the next and comes back.
+/// The connection starts in the middle of a line, a line is damaged, and the port disappears in the
+/// middle of the next line and returns.
 #[test]
 fn events_as_lines() {
     let kept = std::env::temp_dir().join(format!("floe-live-{}-kept.txt", std::process::id()));
@@ -194,7 +194,7 @@ fn events_as_json_have_the_fields_of_a_replay() {
     assert_eq!(live.end(), "");
 }
 
-/// What the board's settings and its clock tell of an event stands with it, as in a replay.
+/// Slip length, energy and time of an event, from the settings and the clock of the board.
 #[test]
 fn events_as_json_say_how_far_and_when() {
     let mut live = Live::start(&["--json"]);
@@ -223,7 +223,7 @@ fn events_as_json_say_how_far_and_when() {
 fn it_ends_when_nobody_reads() {
     let live = Live::start(&[]);
     let mut board = live.accept();
-    // The reader goes away, as `head` does.
+    // The reader closes its end, as `head` does.
     let Live { mut child, lines, .. } = live;
     drop(lines);
     board.write_all(text(&Line::Event(event(0))).as_bytes()).unwrap();
@@ -231,7 +231,7 @@ fn it_ends_when_nobody_reads() {
     assert_eq!(status.code(), Some(0));
 }
 
-/// Before the first event, or with a board that is silent for long.
+/// Before the first event, or with a board that is silent for a long time.
 #[cfg(unix)]
 #[test]
 fn it_ends_when_nobody_reads_and_no_event_comes() {
@@ -247,7 +247,7 @@ fn it_ends_when_nobody_reads_and_no_event_comes() {
     assert_eq!(ended.expect("ends by itself").code(), Some(0));
 }
 
-/// A socket in the file system does as well.
+/// A Unix socket as the port.
 #[cfg(unix)]
 #[test]
 fn a_unix_socket() {
@@ -270,7 +270,7 @@ fn a_unix_socket() {
     fs::remove_file(path).unwrap();
 }
 
-/// What the display writes on a terminal, up to its first question to the board.
+/// Output on a terminal, up to the first question to the board.
 #[cfg(target_os = "linux")]
 fn on_a_terminal(no_color: &[(&str, &str)]) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();

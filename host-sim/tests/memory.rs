@@ -1,4 +1,4 @@
-//! A replay takes no more memory for more samples and more events.
+//! The memory of a replay does not grow with the number of samples and events.
 #![cfg(target_os = "linux")]
 
 use std::io::{BufWriter, Write};
@@ -19,14 +19,14 @@ fn force_n(index: u64) -> f64 {
     force_n + noise
 }
 
-/// The most memory that a process ever had, kB; `None` once it has ended.
+/// Peak memory of a process, kB; `None` once it has ended.
 fn high_water(pid: u32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// Replays so many samples to a table, JSON and a report. Gives the memory it took, kB.
+/// Replays a log of this many samples to a table, JSON and a report; returns the peak memory, kB.
 fn replayed(samples: u64) -> u64 {
     let mut child = Command::new(env!("CARGO_BIN_EXE_floe"))
         .args(["replay", "-", "--weight-n", "630", "--json", "/dev/null", "--report", "/dev/null"])
@@ -49,13 +49,13 @@ fn replayed(samples: u64) -> u64 {
     most_kb
 }
 
-/// `FLOE_SAMPLES=1e8` makes it as long as one likes.
+/// `FLOE_SAMPLES=1e8` sets another length.
 #[test]
 fn more_events_take_no_more_memory() {
     let asked = std::env::var("FLOE_SAMPLES").ok().and_then(|n| n.parse::<f64>().ok());
     let samples = asked.unwrap_or(1e6) as u64;
-    // Of 4·10⁵ the figures' share of the events is full once; it is thinned out again and again
-    // after that, which leaves gaps in the memory that are filled only later.
+    // At 4·10⁵ samples the list of events for the figures is full for the first time; later it is
+    // thinned out again and again, and the gaps in the memory are filled only after that.
     let few = (samples / 10).max(400_000);
     let few_kb = replayed(few);
     let many_kb = replayed(samples);

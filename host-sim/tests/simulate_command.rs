@@ -1,5 +1,5 @@
-//! `floe simulate`: its truth has the names of a replay's result, and a replay of
-//! its log finds that truth as well as the bound allows.
+//! `floe simulate`: the truth has the field names of a replay's result, and a replay of the log
+//! finds the truth to the accuracy of the bound.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -98,7 +98,8 @@ fn a_name_of_several_lines_is_refused_and_a_path_of_several_stays_a_comment() {
     fs::remove_dir_all(folder).unwrap();
 }
 
-/// Its winch runs faster than the scene's own number says, which is all that is checked before.
+/// The winch's profile is faster than the scene's nominal speed, the only one that is checked
+/// first.
 #[test]
 fn a_test_that_cannot_be_computed_to_its_end_replaces_no_log() {
     let folder = folder("failed");
@@ -137,7 +138,7 @@ fn a_replay_finds_the_truth_to_the_bound() {
     for name in ["mu_s", "mu"] {
         let ratio = error_over_bound(&truth, &result, name);
         println!("{name}: error {ratio:.2} of the bound");
-        // What is carried from event to event can beat the bound of one event.
+        // Information carried from event to event can beat the bound of a single event.
         assert!((0.4..1.1).contains(&ratio), "{name}: {ratio}");
     }
 }

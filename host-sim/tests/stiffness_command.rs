@@ -1,4 +1,4 @@
-//! `floe stiffness` as a user runs it.
+//! `floe stiffness` as a command.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ fn floe(directory: &Path, arguments: &[&str]) -> Output {
     command.current_dir(directory).arg("stiffness").args(arguments).output().unwrap()
 }
 
-/// A pull against a post at so many newtons per second.
+/// A pull against a post at this loading rate.
 fn pull(rate_n_per_s: f64) -> String {
     let row = |i: i32| {
         let time_s = f64::from(i) / 16.0;

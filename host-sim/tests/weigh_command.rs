@@ -1,4 +1,4 @@
-//! `floe weigh` as a user runs it.
+//! `floe weigh` as a command.
 
 use std::path::PathBuf;
 use std::process::{Command, Output};
@@ -70,7 +70,7 @@ fn a_still_block_has_no_swing() {
     assert!((json["weight_n"].as_f64().expect("a number") - 98.1).abs() < 0.1, "{json}");
 }
 
-/// Noise as of dice, ±2 N.
+/// Pseudorandom noise, uniform within ±2 N.
 fn rough(t: f64) -> f64 {
     4.0 * ((t * 207.8368).sin() * 43_758.545_3).rem_euclid(1.0) - 2.0
 }
@@ -99,7 +99,7 @@ fn a_reading_far_from_all_others_is_left_out_and_said() {
     assert!(!text.contains("left out"), "{text}");
 }
 
-/// 634 N with 1 N of noise: in steps of 10 N the mean is 631, and no length of record helps.
+/// 634 N with little noise in steps of 10 N: the mean is off by newtons, whatever the length.
 #[test]
 fn the_step_of_the_readings_is_in_the_standard_deviation() {
     let fine = log("fine.csv", 40, |_| 634.0);
@@ -134,7 +134,7 @@ fn the_step_of_the_readings_is_in_the_standard_deviation() {
     assert_eq!(said.lines().count(), 1, "{said}");
 }
 
-/// The zero that a replay would take off.
+/// The zero in the log is subtracted, as in a replay.
 #[test]
 fn a_zero_in_the_log_is_taken_off() {
     let plain = std::fs::read_to_string(log("zero.csv", 40, |t| 50.0 + swinging(t))).expect("kept");
@@ -156,7 +156,7 @@ fn a_zero_in_the_log_is_taken_off() {
     assert_eq!(floe(&["weigh", &path]).status.code(), Some(2));
 }
 
-/// What is cut off at the end of the range is no weight, and few such readings are said.
+/// Saturated readings give no weight; a few of them are left out and reported.
 #[test]
 fn saturated_readings_are_counted() {
     let heavy = std::fs::read_to_string(log("heavy.csv", 20, |_| 630.0)).expect("kept");
@@ -195,7 +195,7 @@ fn what_is_no_weighing_is_refused_in_one_line() {
     }
 }
 
-/// What is assumed about the log changes the weight by a thousand, or doubles it.
+/// A wrong assumption about the log changes the weight by a factor of two or a thousand.
 #[test]
 fn what_is_assumed_is_said() {
     let path = file("assumed.csv").display().to_string();
@@ -214,7 +214,7 @@ fn what_is_assumed_is_said() {
     assert!(none.contains("counts_per_n is 0") && none.lines().count() == 1, "{none}");
 }
 
-/// About 630 000, that times `scale`.
+/// About 630 000 codes times `scale`.
 fn counts(head: &str, scale: f64) -> String {
     let noise = |i: u32| i.wrapping_mul(2_654_435_761) >> 24;
     let row =
@@ -222,7 +222,7 @@ fn counts(head: &str, scale: f64) -> String {
     format!("{head}\n{}", (0..640).map(row).collect::<String>())
 }
 
-/// At a sample a second a swing of 2 s, whose force swings in 1 s, looks like none.
+/// One sample per second does not show a swing of 2 s, whose force oscillates with a period of 1 s.
 #[test]
 fn a_log_too_slow_for_a_swing_is_refused() {
     let path = file("slow.csv");

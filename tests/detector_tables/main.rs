@@ -1,11 +1,10 @@
-//! Hand-written forces, and exactly what the detector makes of them.
+//! Forces written by hand, with the exact output of the detector.
 //!
-//! The block of the tables rests for 30 samples while the force rises by 20 N each,
-//! from 200 N to 780 N, and falls to 210 N within a few samples. Expected answers
-//! follow from the rules in `detector`: a slip from the upper half of the usual range
-//! is told by its first sample clearly below the line, one from the lower half by the
-//! first that has fallen by half the usual drop; a re-stick two samples after the
-//! lowest one.
+//! The block rests for 30 samples while the force rises by 20 N per sample from 200 N to 780 N,
+//! then the force falls to 210 N within a few samples. The expected output follows from the rules
+//! in `detector`. A slip from the upper half of the usual range is reported at its first sample
+//! clearly below the line, one from the lower half at the first sample that has fallen by half the
+//! usual drop; a re-stick is reported two samples after the lowest one.
 
 use floe_core::Effects;
 use floe_core::detector::Detector;
@@ -18,7 +17,7 @@ mod script;
 
 use script::Script;
 
-/// Three usual cycles: the slips begin after samples 29, 62 and 95.
+/// Three usual cycles; slips begin after samples 29, 62 and 95.
 fn three_cycles(noise_n: f64) -> Script {
     Script::noisy(noise_n).stick().slip().stick().slip().stick().slip().line(200.0, 20.0, 10)
 }
@@ -39,8 +38,8 @@ fn three_slips_with_and_without_noise() {
     }
 }
 
-/// What was put off is looked at later, three samples at a time, and the same is seen; with 192 samples
-/// put off none waits any more.
+/// Postponed samples are processed later, three at a time, with the same result; after 192
+/// postponed samples no more are postponed.
 #[test]
 fn samples_wait_for_room_and_none_is_lost() {
     let script = three_cycles(2.0).line(400.0, 10.0, 200);
@@ -51,7 +50,7 @@ fn samples_wait_for_room_and_none_is_lost() {
     let later = script.transitions_with(|index| (64..90).contains(&index));
     assert_eq!(later[3], "91 restick 62 65");
     assert_eq!(seen(later), at_once);
-    // The first three at sample 256, the fourth when as many have been put off again.
+    // The first three at sample 256, the fourth after as many samples were postponed again.
     let never = script.transitions_with(|index| index >= 64);
     assert_eq!(never[3], "259 restick 62 65");
     assert!(at_once.starts_with(&seen(never)));
@@ -73,7 +72,7 @@ fn the_phase_follows() {
     assert!(!phases.contains(&Phase::Unknown));
 }
 
-/// The cable hangs loose on a tared cell before the winch is started.
+/// The cable is slack on a tared cell before the winch starts.
 #[test]
 fn tare_flat_then_rise() {
     for noise_n in [0.0, 2.0] {
@@ -84,13 +83,13 @@ fn tare_flat_then_rise() {
     }
 }
 
-/// A record that begins in the middle of a slip has nothing to tell yet, and knows
-/// the noise later: the onset of the next slip is told within three samples.
+/// A record that begins within a slip gives no event for it, and the noise is known later. The
+/// onset of the next slip is reported within three samples.
 #[test]
 fn start_inside_a_slip() {
     let started = Script::noisy(2.0).push([640.0, 370.0, 180.0]).stick().slip();
-    // The slip at the start is the first that is seen of the noise, and what few samples
-    // tell counts with caution: the next one is told when the samples are looked at again.
+    // The slip at the start gives the first estimate of the noise, which counts little with so few
+    // samples: the next slip is reported when the samples are processed again.
     let script = started.stick().slip().line(200.0, 20.0, 9);
     script.becomes(&["42 onset", "43 restick 32 35", "66 onset", "70 restick 65 68"]);
 }
@@ -102,7 +101,7 @@ fn single_slip() {
     assert_eq!(script.events().len(), 1);
 }
 
-/// Light blocks on stiff cables: from the line to the next line in one sample.
+/// A light block on a stiff cable: one sample between two lines.
 #[test]
 fn one_sample_slip() {
     let script = Script::noisy(2.0).stick().line(200.0, 20.0, 30).line(200.0, 20.0, 10);
@@ -114,8 +113,8 @@ fn two_cycles() -> Script {
     Script::noisy(2.0).stick().slip().stick().slip().line(200.0, 20.0, 10)
 }
 
-/// Only a part of the contact slips, by a tenth of the usual drop or more: told when it
-/// starts in the upper half of the usual range. Half-way up it may be flop.
+/// Only a part of the contact slips, by a tenth of the usual drop or more. Such a slip is reported
+/// in the upper half of the usual range; half-way up it could be flop.
 #[test]
 fn partial_slips() {
     for drop_n in [60.0, 170.0] {
@@ -132,7 +131,8 @@ fn partial_slips() {
     first.push([340.0, 320.0]).line(340.0, 20.0, 22).becomes(&THREE[..2]);
 }
 
-/// A re-stick needs the force to stay below the old line: what comes back was none.
+/// A re-stick requires that the force stays below the old line; if the force returns, the slip is
+/// cancelled.
 #[test]
 fn two_sample_spikes_down() {
     two_cycles().becomes(&THREE[..4]);
@@ -141,14 +141,13 @@ fn two_sample_spikes_down() {
     down.becomes(&[&THREE[..2], &none, &THREE[2..4]].concat());
 }
 
-/// Two samples above the line are no peak: the slip that follows is told, and its
-/// highest sample found, as without them.
+/// Two samples above the line are not a peak: the following slip is reported with its true maximum.
 #[test]
 fn two_sample_spikes_up() {
     two_cycles().at(45, 1500.0).at(46, 1500.0).becomes(&THREE[..4]);
 }
 
-/// The same in a long stick: the slip at its end is still seen.
+/// Two samples above the line in a long stick do not hide the slip at its end.
 #[test]
 fn two_sample_spikes_up_long_before_a_slip() {
     let first = Script::noisy(2.0).stick().slip();
@@ -158,7 +157,7 @@ fn two_sample_spikes_up_long_before_a_slip() {
     script.at(100, 1500.0).at(101, 1500.0).becomes(&usual);
 }
 
-/// A block that creeps leaves its line before it slips; the highest sample is on it no more either.
+/// A creeping block leaves its line before it slips, so the highest sample is not on the line.
 #[test]
 fn a_low_sample_of_a_creeping_block() {
     let creeping = Script::noisy(2.0).stick().slip().line(200.0, 20.0, 26);
@@ -174,7 +173,7 @@ fn a_low_sample_of_a_creeping_block() {
     ]);
 }
 
-/// One sample far off is a spike, and no event is.
+/// A single distant sample is a spike, never an event.
 #[test]
 fn one_sample_spikes_never_reach_the_detector() {
     let config = Config { weight_n: 630.0, ..Config::default() };
@@ -191,7 +190,7 @@ fn one_sample_spikes_never_reach_the_detector() {
     }
 }
 
-/// The cable falls on the ice and snaps up while the block rests.
+/// The cable drops on the ice and bounces while the block rests.
 #[test]
 fn flop_after_a_slip() {
     let flop = |script: Script| {
@@ -217,7 +216,7 @@ fn gap_inside_a_stick() {
     }
 }
 
-/// The lowest sample is missing, or the first of the fall: still one slip.
+/// A slip with its lowest sample or the first sample of its fall missing is still one slip.
 #[test]
 fn gap_inside_a_slip() {
     let cycle = || Script::noisy(2.0).stick().slip().stick();
@@ -229,7 +228,7 @@ fn gap_inside_a_slip() {
     whole.becomes(&[THREE[0], THREE[1], "67 onset", "70 restick 62 67"]);
 }
 
-/// Too many missing samples hide a slip: it is seen, and gives no coefficient.
+/// A slip within a long gap is detected, but has no coefficient.
 #[test]
 fn a_hidden_slip_has_no_coefficient() {
     let cycle = Script::noisy(2.0).stick().slip().stick().slip().stick();
@@ -243,7 +242,7 @@ fn a_hidden_slip_has_no_coefficient() {
 #[test]
 fn long_gap() {
     let before = || Script::noisy(2.0).stick().slip().line(200.0, 20.0, 12);
-    // Eight periods from sample to sample go on, nine do not.
+    // A gap of eight periods between samples is accepted, one of nine is not.
     before().gap(7).line(580.0, 20.0, 10).becomes(&THREE[..2]);
     before().gap(8).line(600.0, 20.0, 10).becomes(&[THREE[0], THREE[1], "53 lost"]);
     let after = before().gap(500).stick().slip().line(200.0, 20.0, 9);
@@ -253,7 +252,7 @@ fn long_gap() {
     slipping.becomes(&["30 onset", "52 lost"]);
 }
 
-/// A winch so fast that the block hardly rests: no line to fall from.
+/// A winch so fast that the block hardly rests: there is no stick line.
 #[test]
 fn no_flat_top() {
     let wave = |i: u32| 500.0 - 290.0 * (f64::from(i) * std::f64::consts::TAU / 7.0).cos();
@@ -262,15 +261,15 @@ fn no_flat_top() {
     let resticks = told.iter().filter(|t| t.contains("restick"));
     let peaks: Vec<usize> =
         resticks.map(|t| t.split(' ').nth(2).unwrap().parse().unwrap()).collect();
-    // The highest samples of a wave are its third and fourth.
+    // The highest samples of a wave are its samples 3 and 4.
     assert!(peaks.iter().all(|peak| [3, 4].contains(&(peak % 7))), "{peaks:?}");
-    // The noise is known after 2.6 s, and the first waves are looked at again then; the
-    // last one has not reached its end.
+    // The noise is known after 2.6 s, and the first waves are then processed again; the last one is
+    // not complete.
     let waves: Vec<usize> = peaks.iter().map(|peak| peak / 7).collect();
     assert_eq!(waves, (0..19).collect::<Vec<_>>());
 }
 
-/// The force falls to nothing and stays there until the winch has taken up the slack.
+/// The force falls to zero and stays there until the winch has taken up the slack.
 #[test]
 fn slack() {
     let cycle = |script: Script| {
@@ -279,13 +278,13 @@ fn slack() {
     };
     let still = cycle(cycle(Script::default()));
     still.becomes(&["30 onset", "34 restick 29 32", "85 onset", "89 restick 84 87"]);
-    // With noise the lowest of the slack samples is any; the first as low but for noise
-    // counts, and the wait for the end of the fall is half of what it seemed.
+    // With noise any slack sample may be the lowest. The first one as low within the noise counts,
+    // and the wait for the end of the fall is half as long as it seemed.
     let noisy = cycle(cycle(Script::noisy(0.5)));
     noisy.becomes(&["30 onset", "37 restick 29 32", "85 onset", "92 restick 84 87"]);
 }
 
-/// The zero jumps, or the cable catches: up is no slip, down by little is none either.
+/// Steps of the zero or of the cable's force: a step up, or a small one down, is no slip.
 #[test]
 fn steps() {
     for height_n in [-60.0, -10.0, 10.0, 200.0] {
@@ -313,7 +312,7 @@ fn nothing_moves() {
     }
 }
 
-/// A cell wired the other way round reads the same through its calibration.
+/// A cell with reversed polarity gives the same result through its calibration.
 #[test]
 fn negative_polarity() {
     let read = |counts_per_n: f32| {

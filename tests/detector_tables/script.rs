@@ -11,7 +11,7 @@ pub struct Script {
     noise_n: f64,
 }
 
-/// Looks like noise, mean zero, standard deviation one, and is the same for ever.
+/// Fixed values that resemble noise, with mean zero and standard deviation one.
 const ZIGZAG: [f64; 11] = [0.3, -1.2, 0.8, -0.1, 1.5, -0.9, 0.2, -1.7, 1.1, 0.6, -0.6];
 
 impl Script {
@@ -27,17 +27,17 @@ impl Script {
         self
     }
 
-    /// `count` samples on a line.
+    /// Appends `count` samples on a line.
     pub fn line(self, from_n: f64, rise_n: f64, count: u32) -> Self {
         self.push((0..count).map(|i| from_n + rise_n * f64::from(i)))
     }
 
-    /// The usual stick line: 30 samples, 200 N to 780 N.
+    /// Appends the usual stick line: 30 samples, 200 N to 780 N.
     pub fn stick(self) -> Self {
         self.line(200.0, 20.0, 30)
     }
 
-    /// The usual slip after it; the lowest sample is the last one.
+    /// Appends the usual slip after it; the lowest sample is the last one.
     pub fn slip(self) -> Self {
         self.push([640.0, 370.0, 180.0])
     }
@@ -60,7 +60,8 @@ impl Script {
         self.transitions_with(|_| false)
     }
 
-    /// The same where whoever follows the slips has no room for another at some samples.
+    /// Transitions of the detector when the caller has no room for an event at the samples where
+    /// `waits`.
     pub fn transitions_with(&self, waits: impl Fn(u32) -> bool) -> Vec<String> {
         let mut detector = Detector::new(16.0, Effects::default());
         let told = |(index, force_n): (u32, f64)| {
@@ -81,7 +82,7 @@ impl Script {
         assert_eq!(self.transitions(), expected);
     }
 
-    /// The same forces through the whole pipeline, the weight 630 N.
+    /// Events of the whole pipeline, with a weight of 630 N.
     pub fn events(&self) -> Vec<Event> {
         let config = Config { weight_n: 630.0, ..Config::default() };
         feed::replay(&config, self.samples().map(|(i, f)| feed::force(i, f))).events

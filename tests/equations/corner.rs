@@ -9,7 +9,7 @@ fn dff8_13() -> CycleParams {
     CycleParams { onset: 0.0, rate: 22.5, static_n, half_drop_n, omega: 1.1828, rate_change: 0.0 }
 }
 
-/// `F' = r (1 - f exp((F - Fs) / c))` back from the onset, and Newton's law from there on.
+/// `F' = r (1 - f exp((F - Fs) / c))` before the onset, and Newton's law after it.
 #[test]
 fn core_force_of_a_creeping_block() {
     const STEP: f64 = 1e-4;
@@ -37,7 +37,7 @@ fn core_force_of_a_creeping_block() {
             rate += STEP * omega * omega * (fp - force_n - 0.5 * STEP * rate);
             force_n += STEP * rate;
             time += STEP;
-            // The stop is followed to first order: f² q² / 2 d is left.
+            // The stop is modelled to first order; an error of f² q² / 2 d remains.
             let error = model(time) - force_n;
             assert!(error.abs() < 0.45, "f {f}, c {c}: {error} N at {time}");
         }
@@ -46,7 +46,7 @@ fn core_force_of_a_creeping_block() {
     }
 }
 
-/// The mean over an aperture around each moment.
+/// The force averaged over an aperture around each time.
 #[test]
 fn core_force_that_a_converter_averages() {
     const PIECES: i32 = 400;

@@ -1,8 +1,8 @@
-//! The equations of the model against Newton's law in small steps.
+//! The model's equations compared with integration of Newton's law in small steps.
 //!
-//! Every number of the closed forms, in the core (single precision) and in the
-//! simulator (double), over a grid of blocks, cables, winches, frictions and
-//! slopes. Numbers in parentheses are the paper's.
+//! Every quantity of the closed forms, in the core (single precision) and in the simulator
+//! (double), over a grid of blocks, cables, winches, frictions and slopes. Numbers in parentheses
+//! are equation numbers of the paper.
 
 use floe_core::model::{self, CycleParams};
 use floe_core::num::math;
@@ -13,10 +13,10 @@ mod corner;
 mod simulator;
 mod slack;
 
-/// Largest relative error of the core: a few roundings of single precision.
+/// Largest relative error of the core: a few roundings in single precision.
 const SINGLE: f64 = 1e-6;
 
-/// The grid, and where a message says which case failed.
+/// The grid of cases.
 fn cases() -> Vec<Pull> {
     let mut cases = Vec::new();
     for weight_n in [300.0, 3000.0] {
@@ -47,7 +47,7 @@ fn omega(pull: &Pull) -> f64 {
     (pull.stiffness_n_per_m * pull.gravity_m_per_s2 / pull.weight_n).sqrt()
 }
 
-/// The case as the core's closed form sees it, in seconds.
+/// Parameters of the core's closed form for a case, in seconds.
 fn closed(pull: &Pull) -> CycleParams {
     let drop_n = pull.weight_n * pull.slope_rad.cos() * (pull.mu_s - pull.mu);
     CycleParams {
@@ -60,13 +60,13 @@ fn closed(pull: &Pull) -> CycleParams {
     }
 }
 
-/// Two events by small steps, and the sliding states of the first.
+/// Two events from integration in small steps, and the sliding states of the first.
 struct Brute {
     events: [Truth; 2],
     slip: Vec<State>,
 }
 
-/// Where the tests start: well below `Fs`, with the cable taut.
+/// Force at the start of the tests, N: well below `Fs`, with a taut cable.
 fn start_n(pull: &Pull) -> f64 {
     (pull.resistance_n(2.0 * pull.mu - pull.mu_s)).max(0.0)
 }
@@ -90,7 +90,7 @@ fn agree(equation: &str, got: f64, brute: f64, tolerance: f64, pull: &Pull) {
     assert!(error <= tolerance, "{equation}: {got} but by small steps {brute}, {pull:?}");
 }
 
-/// Runs a check on every case whose cable stays taut, or on the others.
+/// Runs a check on every case whose cable goes slack, or on all others.
 fn for_each(slack: bool, at_least: usize, check: impl Fn(&Pull, &Brute)) {
     let mut count = 0;
     for pull in cases() {
@@ -146,8 +146,8 @@ fn core_speed_and_ellipse_along_a_slip() {
     });
 }
 
-/// Both pieces meet the stick line with its slope: difference quotients of the
-/// integrated force on either side of the stop against `k w`.
+/// Both pieces meet the stick line with its slope: difference quotients of the integrated force on
+/// both sides of the stop agree with `k w`.
 #[test]
 fn core_rate_at_the_stop() {
     for_each(false, 100, |pull, brute| {
@@ -169,7 +169,7 @@ fn core_rate_at_the_stop() {
     });
 }
 
-/// From integrated forces, whose slope enters as a component of gravity.
+/// Coefficients from integrated forces on a slope, which adds a component of gravity.
 #[test]
 fn core_coefficients_on_a_slope() {
     for_each(false, 100, |pull, brute| {
@@ -184,7 +184,7 @@ fn core_coefficients_on_a_slope() {
     });
 }
 
-/// The equations of motion carried on past the stop, as the inequality has it.
+/// Least speed by integration beyond the stop, compared with the inequality.
 #[test]
 fn core_least_speed() {
     for_each(false, 100, |pull, brute| {
@@ -198,7 +198,7 @@ fn core_least_speed() {
         let (k, w) = (pull.stiffness_n_per_m, pull.winch_m_per_s);
         let got = model::least_speed_m_per_s(&cycle, w as f32, k as f32);
         let size = omega(pull) * f64::from(cycle.amplitude_n()) / k;
-        // The lowest of states 0.02 rad apart.
+        // The lowest of states at distances of 0.02 rad.
         agree("(31) least speed", got.into(), least, 1e-4 * size, pull);
         assert!(got < 0.0, "(31): the block sticks again, {pull:?}");
     });

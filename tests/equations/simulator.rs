@@ -1,4 +1,4 @@
-//! The simulator's closed forms, double precision.
+//! The simulator's closed forms in double precision.
 
 use floe::sim::motion::{Method, Segment, Segments};
 use floe::sim::truth::{EventBuilder, TrueEvent};
@@ -8,10 +8,10 @@ use floe_tests::scenes;
 
 use super::{Brute, agree, for_each, start_n};
 
-/// Largest relative error of the simulator: what the small steps leave.
+/// Largest relative error of the simulator, from the integration's step size.
 const DOUBLE: f64 = 1e-7;
 
-/// Pieces of motion of the simulator up to the second stop, and its events.
+/// Segments of the simulator's motion up to the second stop, and its events.
 fn simulated(pull: &Pull) -> (Vec<Segment>, Vec<TrueEvent>) {
     let scene = Scene { start_force_n: start_n(pull), ..scenes::scene(pull) };
     let mut builder = EventBuilder::new(1.0);
@@ -48,7 +48,7 @@ fn simulator_agrees(pull: &Pull, brute: &Brute) {
         let inside = |s: &&Segment| s.phase.is_moving() && s.to.time_s >= state.time_s;
         let Some(segment) = segments.iter().find(inside) else { continue };
         let got = segment.state(state.time_s);
-        // Near a stop the times of both differ by their own error.
+        // Near a stop the time error of the two methods dominates.
         agree("(7) force", got.force_n, pull.force_n(state), 10.0 * force_n);
         agree("(13) speed", got.speed_m_per_s, state.speed_m_per_s, 10.0 * speed);
     }

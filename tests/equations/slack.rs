@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Blocks whose cable goes slack: long, just so, and only for a moment while the block
-/// slides on (a fast winch, `d < Fp < a`).
+/// Blocks whose cable goes slack: for long, briefly, and for a moment while the block slides on (a
+/// fast winch, `d < Fp < a`).
 fn slack_cases() -> Vec<Pull> {
     let mut cases = Vec::new();
     for (mu_s, mu) in [(1.5, 0.3), (1.0, 0.4), (0.85, 0.42), (0.8, 0.41), (0.78, 0.4)] {
@@ -53,7 +53,7 @@ fn core_force_of_a_cable_that_goes_slack() {
         let since_s = slide_s.max(1.0 / omega(&pull));
         agree("slide", cycle.slide_time().into(), slide_s, 4.0 * SINGLE * since_s, &pull);
         let shape = cycle.shape();
-        // A time is rounded once where the slack is taken up for long.
+        // A rounded time matters where the slack lasts long.
         let steepest = omega(&pull) * f64::from(cycle.amplitude_n());
         for state in states.iter().filter(|s| s.time_s > onset_s) {
             let since_s = state.time_s - onset_s;

@@ -1,8 +1,8 @@
-//! A hash of all that the core says, step by step, over every scene and bundled log.
+//! Prints a hash of all output of the core, step by step, for every scene and bundled log.
 //!
-//! `cargo run --release -p floe-tests --example event_stream > before.txt`, once before
-//! and once after a change that must not change a single bit (moved files, other names),
-//! then `diff`. A change that means to alter the answers alters these lines too.
+//! Run `cargo run --release -p floe-tests --example event_stream > before.txt` before and after a
+//! change that must keep every bit (moved files, renamed items), and compare the outputs with
+//! `diff`. A change of the answers changes these lines.
 
 use std::path::{Path, PathBuf};
 
@@ -63,7 +63,7 @@ impl Hash {
     }
 }
 
-/// The hash and the number of events of one test.
+/// Hash and number of events of one test.
 fn hashed(config: &Config, samples: impl IntoIterator<Item = RawSample>) -> (u64, u32) {
     let mut hash = Hash(0xcbf2_9ce4_8422_2325);
     let mut pipeline = Pipeline::new(config).expect("the configuration is valid");

@@ -1,7 +1,7 @@
-//! What an elementary function costs on this PC: for `cargo xtask maths`.
+//! Measures elementary functions on this PC, for `cargo xtask maths`.
 //!
-//! Prints `NAME/LIBRARY NS` a line: the shortest of 100 rounds of 4096 calls, each waiting
-//! for the one before, less an empty call.
+//! Prints `NAME/LIBRARY NS` lines: the shortest of 100 rounds of 4096 dependent calls, minus the
+//! time of an empty call.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -18,13 +18,13 @@ fn main() {
     }
 }
 
-/// Time of a call.
+/// Time of a call, ns.
 fn nanoseconds(function: &Function) -> f64 {
     let arguments: Vec<f32> = (0..CALLS).map(|i| function.argument(i, CALLS)).collect();
     let call = black_box(function.call);
     let round = |_| {
         let start = Instant::now();
-        // The result times zero: the next call cannot begin before it is there.
+        // Adding the result times zero makes each call depend on the previous one.
         black_box(arguments.iter().fold(0.0, |last, &x| call(x + 0.0 * last)));
         start.elapsed()
     };

@@ -1,16 +1,16 @@
-//! Is the uncertainty of a whole test's mean what it says? Many seeds of every linear and hard
+//! Checks the stated uncertainty of a whole test's mean, with many seeds of every linear and hard
 //! scene.
 //!
-//! `cargo run --release -p floe-tests --example means -- [SEEDS]` (400 unless given); `docs/means.md`
-//! is what the default prints.
+//! `cargo run --release -p floe-tests --example means -- [SEEDS]` (default 400); `docs/means.md` is
+//! the output of the default.
 
 use floe::sim::Scene;
 use floe_core::Estimate;
 use floe_tests::aims::{self, Check};
 use floe_tests::score::{Tried, average, rms, run};
 
-/// Errors of the means of a coefficient in their combined standard deviations, and how
-/// many of the 95 % intervals hold the truth.
+/// Errors of the means of a coefficient in their combined standard deviations, and the number of 95
+/// % intervals that cover the truth.
 #[derive(Default)]
 struct Means {
     errors: Vec<f64>,
@@ -30,7 +30,7 @@ impl Means {
     }
 }
 
-/// How the page begins.
+/// First part of the page.
 const HEAD: &str = "\
 # Means of whole tests
 
@@ -42,7 +42,7 @@ misses them stands below the table. Where an interval allows for what the sample
 zero that moves, slips of a sample), it covers more.
 ";
 
-/// Of `mu_s` and of `mu`.
+/// Means of `mu_s` and of `mu`.
 fn means(scene: &Scene, seeds: u64) -> [Means; 2] {
     let mut means = [Means::default(), Means::default()];
     let tests: Vec<Tried> = (1..=seeds).map(|seed| run(scene, seed)).collect();
@@ -54,7 +54,7 @@ fn means(scene: &Scene, seeds: u64) -> [Means; 2] {
     means
 }
 
-/// Of the four figures of a scene.
+/// Aims of a scene's four figures.
 fn aims(is_hard: bool) -> [(&'static str, (f64, f64)); 4] {
     let (rms_z, coverage) =
         if is_hard { ((0.0, f64::INFINITY), (0.90, 0.99)) } else { ((0.9, 1.1), (0.92, 0.98)) };
@@ -66,7 +66,7 @@ fn aims(is_hard: bool) -> [(&'static str, (f64, f64)); 4] {
     ]
 }
 
-/// Why a figure misses its aim.
+/// Cause of a missed aim.
 fn why(check: &Check) -> &'static str {
     match check.row.as_str() {
         "all" => "its zero drifts by 0.73 % of mu, which no input says here: too sure",
@@ -107,7 +107,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ];
         println!("| {name} | {} | {} |", mu_s.errors.len(), cells.join(" | "));
         for ((what, aim), cell) in aims(is_hard).into_iter().zip(cells) {
-            // As it is printed.
+            // The figure is checked as printed.
             checks.push(Check::between(&name, what, cell.parse()?, aim));
         }
     }

@@ -1,20 +1,20 @@
-//! Two classes of trouble at once, held to the aims of either.
+//! Combines the troubles of two classes and compares the results with the aims.
 //!
-//! `cargo run --release -p floe-tests --example pairs [-- RECORDS [PART OF A CLASS'S NAME]]` moves the
-//! trouble of each class into the scene of each other one, 8 records each, and prints what misses an
-//! aim. Nothing is held to it: it shows what one effect does to another.
+//! `cargo run --release -p floe-tests --example pairs [-- RECORDS [PART OF A CLASS'S NAME]]` adds
+//! the trouble of each class to the scene of each other class, 8 records each, and prints the
+//! missed aims. The output is for information: it shows interactions of the effects.
 
 use floe::sim::Scene;
 use floe_tests::classes;
 use floe_tests::honesty::Kind;
 use floe_tests::sweep::{self, Case};
 
-/// A class, and how its trouble gets from its scene into another one.
+/// Name of a class, and the function that transfers its trouble to another scene.
 type Trouble = (&'static str, fn(&mut Scene, Scene));
 
-/// Those whose trouble is in the same place are no pair. A law of friction that varies along the slip as
-/// well slips by parts of a millimetre before it slips, and the simulator has no stamp that jitters on
-/// a cell that lags.
+/// Classes with their troubles. Two troubles in the same field cannot be combined. Left out are
+/// laws of friction that vary along the slip and also slip by fractions of a millimetre before it,
+/// and jitter of stamps with a lagging cell, which the simulator does not have.
 const TROUBLES: [Trouble; 17] = [
     ("pauses", |to, from| to.winch_profile = from.winch_profile),
     ("first_rate_20", |to, from| to.winch_profile = from.winch_profile),
@@ -35,7 +35,7 @@ const TROUBLES: [Trouble; 17] = [
     ("slack", |to, from| (to.mu_s, to.mu) = (from.mu_s, from.mu)),
 ];
 
-/// Noise of 2 N about a straight line, as in most classes.
+/// Base scene: noise of 2 N about a straight line, as in most classes.
 fn base() -> Scene {
     classes::scene("base").0
 }
@@ -47,7 +47,7 @@ fn pair((a, with_a): Trouble, (b, with_b): Trouble) -> Case {
     Case { row: a.to_owned(), how: b.to_owned(), kind: Kind::Events, scene }
 }
 
-/// Does the second trouble take the place of the first?
+/// Whether the second trouble replaces the first.
 fn exclude(a: Trouble, b: Trouble) -> bool {
     let mut alone = base();
     b.1(&mut alone, classes::scene(b.0).0);

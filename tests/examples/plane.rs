@@ -1,8 +1,8 @@
-//! Scenes drawn over the plane of weight, stiffness, winch speed and noise: is any mean
-//! far off, and what is refused?
+//! Draws scenes over the plane of weight, stiffness, winch speed and noise, and checks for means
+//! far from the truth and for refused events.
 //!
-//! `cargo run -p floe-tests --example plane -- [SCENES [SEED [RECURRENCES]]]` (300, 1 and 20
-//! unless given); `docs/plane.md` is what the default prints.
+//! `cargo run -p floe-tests --example plane -- [SCENES [SEED [RECURRENCES]]]` (defaults 300, 1 and
+//! 20); `docs/plane.md` is the output of the default.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use floe_core::{Estimate, StretchKind};
 use floe_tests::normal::Normal;
 use floe_tests::score::{Tried, run};
 
-/// How the page begins.
+/// First part of the page.
 const HEAD: &str = "\
 # Over the plane of weight, stiffness and speed
 
@@ -21,15 +21,15 @@ Combined standard deviations are those of the report, everything but the force g
 recurrences of less than a sample are drawn too: those are to be refused, with the reason.
 ";
 
-/// Longest time of a record, s.
+/// Longest duration of a record, s.
 const LONGEST_S: f64 = 20_000.0;
 
-/// Even in the logarithm.
+/// A value with a uniform logarithm.
 fn drawn(random: &mut Normal, low: f64, high: f64) -> f64 {
     low * (high / low).powf(random.uniform())
 }
 
-/// A scene, its slips and recurrence in samples, and its noise over the weight.
+/// A scene, samples per slip and per recurrence, and noise relative to the weight.
 struct Case {
     scene: Scene,
     slip: f64,
@@ -44,7 +44,7 @@ fn case(random: &mut Normal, recurrences: f64) -> Case {
     let noise = drawn(random, 2e-4, 0.05);
     let mu = 0.3 + 0.6 * random.uniform();
     let drop = 0.05 + 0.45 * random.uniform();
-    // (22) and (25).
+    // Equations (22) and (25).
     let omega = (k * STANDARD_GRAVITY_M_PER_S2 / weight_n).sqrt();
     let half = drop * weight_n;
     let stick_s = 2.0 * half / (k * w);
@@ -66,13 +66,13 @@ fn case(random: &mut Normal, recurrences: f64) -> Case {
     Case { scene, slip: slip_s * hz, recurrence: (stick_s + slip_s) * hz, noise }
 }
 
-/// How far a mean is off, in its combined standard deviations.
+/// Error of a mean, in its combined standard deviations.
 fn off(got: Option<Estimate>, truth: f64) -> Option<f64> {
     let mean = got?;
     Some((f64::from(mean.mean) - truth) / f64::from(mean.combined_std()?))
 }
 
-/// Why there is no mean: what the events say most often.
+/// Most frequent reason of the events without a mean.
 fn reason(tried: &Tried) -> String {
     let mut reasons = BTreeMap::new();
     for event in &tried.found {
@@ -83,7 +83,7 @@ fn reason(tried: &Tried) -> String {
     most.map_or("no event".to_owned(), |(reason, count)| format!("{reason} ({count})"))
 }
 
-/// What is said of a record without events.
+/// Description of a record without events.
 fn stretch(tried: &Tried) -> String {
     match tried.stretches.first().map(|stretch| stretch.kind) {
         Some(StretchKind::NotUnderstood(reason)) => reason.to_string(),
@@ -92,7 +92,7 @@ fn stretch(tried: &Tried) -> String {
     }
 }
 
-/// How many of how many, and in percent.
+/// Numbers and percentage of a share.
 fn share(what: &str, [read, all]: [usize; 2]) -> String {
     format!("{read} of {all} {what} ({:.1} %)", 100.0 * read as f64 / all.max(1) as f64)
 }
@@ -104,7 +104,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let recurrences: f64 = args.next().map_or(Ok(20.0), |n| n.parse())?;
     let mut random = Normal::new(seed);
     let (mut far, mut refused) = (Vec::new(), Vec::new());
-    // Of the clear scenes: those with both means and all, and events with both coefficients and all.
+    // Counts for the clear scenes: both means and all; events with both coefficients and all.
     let (mut clear, mut clear_events) = ([0, 0], [0, 0]);
     for number in 1..=scenes {
         let case = case(&mut random, recurrences);

@@ -1,4 +1,4 @@
-//! Scores the core on a log whose events are known.
+//! Evaluates the core on a log with known events.
 //!
 //! `cargo run --release -p floe-tests --example score -- LOG EVENTS.csv [--weight-n W]
 //! [--column NAME --unit N]`
@@ -59,10 +59,10 @@ fn truths(path: &str) -> Result<Vec<Truth>, Box<dyn Error>> {
         .collect()
 }
 
-/// An event with the log's own time of its onset, s.
+/// Time of the onset in the log, s, and the event.
 type Timed = (f64, Event);
 
-/// Events of a log, and its rate.
+/// Events of a log, and its sampling rate.
 fn found(args: &Args) -> Result<(Vec<Timed>, f64), Box<dyn Error>> {
     let input = Box::new(File::open(&args.log).map_err(|e| format!("{}: {e}", args.log))?);
     let (column, unit) = (args.column.clone(), args.unit);

@@ -1,10 +1,9 @@
-//! The classes of trouble with other numbers, held to the same aims.
+//! Varies the classes of trouble and compares the results with the aims of the classes.
 //!
 //! `cargo run --release -p floe-tests --example variations [-- RECORDS [FIRST PART OF A CLASS'S NAME]]`
-//! runs each class at another rate, noise, scatter, weight, cable and pull, and with its own
-//! trouble weaker, stronger or otherwise, 8 records each (of the shortest 100), and prints what
-//! misses an aim. Nothing is held to it: it shows how far the aims carry beyond the scenes of
-//! the table.
+//! runs each class with another rate, noise, scatter, weight, cable and pull, and with a weaker,
+//! stronger or different trouble, 8 records each (of the shortest 100), and prints the missed aims.
+//! The output is for information: it shows how the aims hold beyond the scenes of the table.
 
 use floe::sim::Scene;
 use floe_tests::classes::{self, CLASSES};
@@ -13,7 +12,7 @@ use floe_tests::sweep::{self, Case};
 
 type Variation = (&'static str, fn(&mut Scene));
 
-/// The last three make another recurrence: an alias may be none any more.
+/// Variations of a scene. The last three change the recurrence, so an alias may disappear.
 const VARIATIONS: [Variation; 9] = [
     ("8 Hz", |scene| scene.rate_hz = 8.0),
     ("32 Hz", |scene| scene.rate_hz = 32.0),
@@ -34,7 +33,7 @@ fn scatter(scene: &mut Scene, fraction: f64) {
     }
 }
 
-/// A class and what its scene says otherwise: another strength, place or time of its trouble.
+/// Name of a class, text in its scene file, and its replacement by another strength, place or time.
 const STRENGTHS: [(&str, &str, &str); 75] = [
     ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[2.0, 0.0], [22.0, 1.0]]"),
     ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[0.8, 0.0], [60.8, 1.0]]"),
@@ -113,7 +112,7 @@ const STRENGTHS: [(&str, &str, &str); 75] = [
     ("rate_and_state", "renewal_m = 2.0e-5", "renewal_m = 5.0e-6"),
 ];
 
-/// A class with something else in it, and what that is.
+/// A case with a class's scene file changed, described by the new text.
 fn otherwise(&(name, from, to): &(&str, &str, &str)) -> Case {
     let file = classes::folder().join(format!("{name}.toml"));
     let text = std::fs::read_to_string(file).expect("a class");
@@ -124,7 +123,7 @@ fn otherwise(&(name, from, to): &(&str, &str, &str)) -> Case {
     Case { row: name.to_owned(), how: to.replace('\n', " "), kind, scene }
 }
 
-/// A class as one of the variations has it.
+/// A case with a variation of a class.
 fn varied(&(name, kind): &(&str, Kind), &(how, vary): &Variation) -> Case {
     let (mut scene, _) = classes::scene(name);
     vary(&mut scene);

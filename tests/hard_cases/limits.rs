@@ -1,20 +1,20 @@
-//! What every scene is held to.
+//! Limits for every scene.
 
 use floe_tests::aims::COVERAGE;
 
-/// What a scene is held to; pairs are of `mu_s` and `mu`.
+/// Limits for a scene; pairs are of `mu_s` and `mu`.
 pub struct Limits {
-    /// Harmonic mean of precision and recall, least.
+    /// Smallest harmonic mean of precision and recall.
     pub f1: f64,
-    /// Size of the mean error, percent of the truth.
+    /// Largest absolute mean error, percent of the truth.
     pub bias: [f64; 2],
-    /// Size that 95 % of the errors do not exceed, percent of the truth.
+    /// Largest 95th percentile of the absolute errors, percent of the truth.
     pub p95: [f64; 2],
-    /// Share of the 95 % intervals that hold the truth.
+    /// Fraction of 95 % intervals that cover the truth: least and most.
     pub coverage: [(f64, f64); 2],
-    /// Root-mean-square error over the Cramér-Rao bound of the event alone.
+    /// Largest ratio of the root-mean-square error to the Cramér-Rao bound of a single event.
     pub over_bound: Option<[f64; 2]>,
-    /// Why it is not the aim.
+    /// Reason for a limit other than the aim.
     pub why: &'static str,
 }
 
@@ -26,24 +26,24 @@ const AIM: Limits = Limits {
     over_bound: None,
     why: "",
 };
-/// Coverage of a hard and of a linear scene.
+/// Coverage in hard scenes, and in linear ones.
 const HARD: (f64, f64) = COVERAGE;
 const EXACT: (f64, f64) = (0.93, 0.97);
-/// Where an error that looks like noise makes the interval too wide.
+/// Coverage where an error resembles noise and makes the interval too wide.
 const WIDE: (f64, f64) = (0.90, 1.0);
 const LINEAR: Limits = Limits { coverage: [EXACT; 2], over_bound: Some([0.8, 1.0]), ..AIM };
 
 /// `Fs` and `Fp` of most hard scenes, N.
 const FORCES_N: [f64; 2] = [781.2, 491.4];
 
-/// So many newtons in percent of the two forces, and what noise adds to it.
+/// A force error as percent of both forces, plus the contribution of noise.
 fn newtons(force_n: f64, noise: f64) -> [f64; 2] {
     FORCES_N.map(|whole_n| 100.0 * force_n / whole_n + noise)
 }
 
-/// Those of a scene.
+/// Limits for the scene of a name.
 pub fn limits(name: &str) -> Limits {
-    // 95 % of the errors by white noise of 2 N stay below this, percent.
+    // 95th percentile of the errors from white noise of 2 N, percent.
     const NOISE: f64 = 0.13;
     match name {
         "dff8-13" | "fast" | "heavy" | "snow" | "light" => LINEAR,
@@ -53,13 +53,14 @@ pub fn limits(name: &str) -> Limits {
             ..AIM
         },
         "aperture" | "creep" => Limits {
-            // Learnt from the first events, which are wrong by more: a few hundredths here.
+            // The model learns from the first events, whose errors are larger: a few hundredths
+            // here.
             bias: [0.1; 2],
             p95: [0.3; 2],
             ..AIM
         },
         "drift" => Limits {
-            // Root mean square and largest value of the zero's sine.
+            // Root mean square and largest value of the zero's sinusoidal drift.
             bias: newtons(20.0 / std::f64::consts::SQRT_2, 0.0),
             p95: newtons(20.0, NOISE),
             why: "an error of the zero, 20 N, cannot be told from friction: it is in the interval",
@@ -80,7 +81,7 @@ pub fn limits(name: &str) -> Limits {
             why: "what a ripple of 12 N does during the slip itself looks like friction: the interval allows for it, and for more",
             ..AIM
         },
-        // Without the cable's stiffening `mu` would be 0.06 % low.
+        // Without a model of the cable's stiffening `mu` would be 0.06 % low.
         "shortening" => Limits { bias: [0.06, 0.03], p95: [0.25, 0.2], ..AIM },
         _ => AIM,
     }

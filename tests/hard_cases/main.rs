@@ -1,8 +1,8 @@
-//! The hard cases: every scene in `host-sim/scenes/hard`, and the linear ones, held to
-//! limits on detection, bias, 95th percentile and coverage.
+//! The hard cases: every scene in `host-sim/scenes/hard` and the linear scenes, with limits on
+//! detection, bias, 95th percentile and coverage.
 //!
-//! `cargo test -p floe-tests --test hard_cases -- --nocapture` prints the table;
-//! `FLOE_TABLE=write` writes it into `docs/hard-cases.md`, `FLOE_CSV=FILE` as CSV into a file.
+//! `cargo test -p floe-tests --test hard_cases -- --nocapture` prints the table; `FLOE_TABLE=write`
+//! writes it to `docs/hard-cases.md`, `FLOE_CSV=FILE` writes it as CSV to a file.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,14 +16,14 @@ mod limits;
 
 use limits::limits;
 
-/// Events of a scene, at least, unless so many records have fewer.
+/// Smallest number of events per scene, unless `RECORDS` records have fewer.
 const EVENTS: usize = 1500;
 const RECORDS: u64 = 200;
 
-/// A scene with its score.
+/// A scene and its score.
 struct Row {
     name: String,
-    /// The first line of its file.
+    /// The first line of the scene's file.
     about: String,
     score: Score,
 }
@@ -67,7 +67,7 @@ impl Row {
         format!("| {name} | {about} | {events} | {f1:.3} | {read} | {mu_s} | {mu} | {why} |")
     }
 
-    /// One line for each coefficient.
+    /// The row as CSV, one line per coefficient.
     fn csv(&self) -> String {
         let Self { name, score, .. } = self;
         let line = |i: usize| {
@@ -93,7 +93,7 @@ impl Row {
         line(0) + &line(1)
     }
 
-    /// Its figures beside their aims.
+    /// The figures with their aims.
     fn checks(&self) -> Vec<Check> {
         let limits = limits(&self.name);
         let Score { detection, errors, .. } = &self.score;
@@ -126,7 +126,7 @@ impl Row {
         checks
     }
 
-    /// On a linear scene the intervals are no wider than those of the reference.
+    /// Checks that on a linear scene the intervals are no wider than the reference.
     fn sharpness(&self) -> Vec<Check> {
         if limits(&self.name).over_bound.is_none() {
             return Vec::new();
@@ -143,7 +143,7 @@ impl Row {
 
 const COEFFICIENTS: [&str; 2] = ["mu_s", "mu"];
 
-/// Median standard deviation from event 3 on, percent, as commit 7d0c2b2 had it.
+/// Reference for the median standard deviation from event 3 on, percent, from commit 7d0c2b2.
 fn reference_std(scene: &str, coefficient: &str) -> f64 {
     let row = format!("{scene},{coefficient},");
     let line = REFERENCE.lines().find(|line| line.starts_with(&row)).expect("a row");
@@ -182,8 +182,8 @@ fn page_file() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/hard-cases.md")
 }
 
-/// Columns of figures of a row, and by how much they may differ: a change of the core moves them
-/// a little; this is more than chance does. All other columns have to be the same.
+/// Columns with numbers, and their largest accepted difference: a change of the core moves them a
+/// little, and this is more than chance does. All other columns must be equal.
 const ROW: [(usize, f64); 11] = [
     (3, 10.0),
     (4, 0.005),
@@ -197,10 +197,10 @@ const ROW: [(usize, f64); 11] = [
     (12, 0.02),
     (13, 0.1),
 ];
-/// Those of a figure that misses its aim.
+/// Columns with numbers in the list of missed aims, and their largest accepted difference.
 const MISSED: [(usize, f64); 2] = [(3, 0.15), (4, 0.15)];
 
-/// Does a row of the page still say what the row says?
+/// Whether a row of the page agrees with the current row.
 fn agree(page: &str, now: &str, figures: &[(usize, f64)]) -> bool {
     let cells = |row: &str| row.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     let (page, now) = (cells(page), cells(now));
@@ -254,7 +254,7 @@ fn assert_page(table: &[String], missed: &str) {
     }
 }
 
-/// What the first samples happen to be must not decide about a whole record.
+/// The first samples must not decide about a whole record.
 #[test]
 fn no_record_loses_its_events_at_the_start() {
     for file in scene_files() {
@@ -284,8 +284,8 @@ fn a_row_that_has_moved_is_seen() {
     }
 }
 
-/// Flop of other sizes, frequencies and decays, on other blocks and at other rates, counts
-/// for what it is: no slips of its own, no bias, and intervals that hold.
+/// Flop of other magnitudes, frequencies and decays, on other blocks and at other rates, causes no
+/// false slips and no bias, and the intervals still cover the truth.
 #[test]
 fn flop_of_any_kind_is_no_slip_and_no_bias() {
     let base = scenes::stored("hard/flop");
@@ -294,7 +294,7 @@ fn flop_of_any_kind_is_no_slip_and_no_bias() {
         [10.0, 3.3, 3.0, 16.0, 630.0],
         [30.0, 6.0, 3.0, 16.0, 630.0],
         [30.0, 3.3, 5.0, 16.0, 630.0],
-        // It goes on for as long as the stick.
+        // Flop that lasts for the whole stick.
         [30.0, 3.3, 1.0, 16.0, 630.0],
         [30.0, 3.3, 3.0, 32.0, 630.0],
         [30.0, 3.3, 3.0, 64.0, 630.0],

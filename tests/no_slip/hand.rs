@@ -1,19 +1,19 @@
-//! A cable that is tightened, held and let go by hand: nothing slides.
+//! A cable tightened, held and released by hand, without any sliding.
 
 use floe::bench::scenes::phase;
 
 use crate::{HZ, SEEDS, config, noisy, read};
 
-/// A winch that tightens by 360 N/s.
+/// Loading rate of the winch, N/s.
 const RATE: f64 = 360.0;
 
-/// What a hand does, over and over.
+/// Repeated action of a hand.
 #[derive(Clone, Copy, Debug)]
 struct Hand {
-    /// Where it holds, N, and for how long, s.
+    /// Force held, N, and duration, s.
     top_n: f64,
     hold_s: f64,
-    /// How long it takes to let go, and how long the cable then hangs slack, s.
+    /// Duration of the release, and of the following slack, s.
     fall_s: f64,
     slack_s: f64,
 }
@@ -28,8 +28,8 @@ impl Hand {
     }
 }
 
-/// From half a second to six of holding, let go at once or within a quarter of a second, tightened again at
-/// once or after a while: at most one fall of fifty has a coefficient.
+/// Holding for 0.5 to 6 s, release at once or within 0.25 s, and tightening at once or after a
+/// pause: at most one fall in fifty has a coefficient.
 #[test]
 fn a_cable_that_was_held_gives_no_coefficient() {
     let (mut seen, mut believed) = (0, 0);

@@ -1,4 +1,4 @@
-//! What swings about a constant force is no slip.
+//! Oscillations around a constant force are not slips.
 
 use std::f64::consts::TAU;
 
@@ -6,8 +6,8 @@ use floe::bench::scenes::phase;
 
 use crate::{HZ, SEEDS, config, noisy, read};
 
-/// Hum of the mains on a block that slides evenly: 50 Hz at 16 Hz is a swing of eight samples, 60 Hz one of
-/// four. Its falls may be seen; next to none has coefficients.
+/// Mains hum on a block that slides steadily: sampled at 16 Hz, 50 Hz appears with a period of
+/// eight samples, 60 Hz with four. Its falls may be detected, but almost none has coefficients.
 #[test]
 fn hum_on_a_steady_slide_has_no_coefficients() {
     for (hz, noise) in [(50.0, 1.0), (50.0, 0.25), (50.3, 0.25), (60.0, 1.0), (60.0, 0.25)] {
@@ -28,8 +28,8 @@ fn hum_on_a_steady_slide_has_no_coefficients() {
     }
 }
 
-/// A slow swing on a constant force rises as it falls: of slips it has no rest. It is no slip whatever its
-/// size, but for the first one or two.
+/// A slow oscillation around a constant force rises as fast as it falls and has no rests. It is not
+/// taken for slips at any amplitude, except the first one or two.
 #[test]
 fn a_slow_swing_has_no_coefficients() {
     for (period_s, swing_n) in [(1.0, 100.0), (1.5, 60.0), (2.0, 60.0), (3.0, 100.0), (5.0, 100.0)]

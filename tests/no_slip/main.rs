@@ -1,5 +1,5 @@
-//! Records in which the force does not do what slips do: nothing is invented, what was
-//! there instead is said, and events come in order.
+//! Records without slips: no event is invented, the actual kind of force is reported, and events
+//! are in order.
 
 use floe::bench::matching::Detection;
 use floe::bench::scenes::phase;
@@ -19,14 +19,14 @@ const HZ: f64 = 16.0;
 const NOISE_N: f64 = 2.0;
 const SEEDS: u64 = 30;
 
-/// What came out of a record.
+/// Results for a record.
 struct Outcome {
     events: Vec<Event>,
     stretches: Vec<Stretch>,
 }
 
 impl Outcome {
-    /// Without a coefficient none counts.
+    /// Number of events with a coefficient.
     fn coefficients(&self) -> usize {
         self.events.iter().filter(|e| e.mu_s.is_some() || e.mu.is_some()).count()
     }
@@ -60,19 +60,19 @@ fn read(config: &Config, forces_n: impl IntoIterator<Item = f64>) -> Outcome {
     Outcome { events, stretches }
 }
 
-/// A force of time, s, with white noise.
+/// A force as function of time, s, with white noise.
 fn noisy(seed: u64, seconds: f64, force_n: impl Fn(f64) -> f64) -> Vec<f64> {
     let mut normal = Normal::new(seed);
     let samples = (seconds * HZ) as u32;
     (0..samples).map(|i| force_n(f64::from(i) / HZ) + NOISE_N * normal.sample()).collect()
 }
 
-/// Periods from one moment to another.
+/// Periods between two times.
 fn since(from: SampleTime, to: SampleTime) -> f64 {
     (to.index - from.index) as f64 + f64::from(to.fraction - from.fraction)
 }
 
-/// For every seed.
+/// Runs a check for every seed.
 fn each(record: impl Fn(u64) -> Vec<f64>, check: impl Fn(u64, &Outcome)) {
     for seed in 1..=SEEDS {
         check(seed, &read(&config(), record(seed)));
@@ -117,7 +117,7 @@ fn a_pause_before_the_pull_costs_no_event() {
     );
 }
 
-/// Sliding evenly: white noise, coloured noise, coarse steps; and an idle cell.
+/// Steady sliding with white noise, coloured noise and coarse steps, and an idle cell.
 #[test]
 fn steady_sliding_is_no_event() {
     let coloured = |seed, memory: f64| {
@@ -153,8 +153,8 @@ fn only_a_winch_that_turns_makes_a_constant_force_a_motion() {
     assert_eq!((told(None), told(Some(0.0157))), (vec![None], vec![Some(true)]));
 }
 
-/// The winch turns back as fast as it pulled, or three times as fast, with and without
-/// rests: the force falls evenly.
+/// The winch runs backwards at the speed of the pull or three times as fast, with and without
+/// rests, so the force falls evenly.
 #[test]
 fn winding_back_is_no_slip() {
     let trapezium = |seed, top_n: f64, [up_s, rest_s, down_s]: [f64; 3]| {
@@ -177,7 +177,7 @@ fn winding_back_is_no_slip() {
     }
 }
 
-/// The same of a force without any noise.
+/// The winch runs backwards, and the force has no noise.
 #[test]
 fn winding_back_without_noise_is_no_slip() {
     let force_n = |i: i32| 300.0 + 4.0 * f64::from((i % 100 - 50).abs());
@@ -186,14 +186,14 @@ fn winding_back_without_noise_is_no_slip() {
     assert_eq!(outcome.reasons(), [Reason::WoundBack]);
 }
 
-/// The winch pays out a little between true slips, fast and slowly, before
-/// and after the swing is known: all slips are found, and next to nothing else.
+/// The winch runs backwards a little between true slips, fast and slowly, before and after the
+/// swing is known: all slips are found, and almost nothing else.
 #[test]
 fn winding_back_between_slips_is_no_slip() {
     let turns: [(&str, &[[f64; 2]], f64, f64); 7] = [
         ("as fast", &[[9.0, -1.0], [9.5, 1.0]], 11.0, NOISE_N),
         ("slow", &[[9.0, -0.3], [11.0, 1.0]], 13.0, NOISE_N),
-        // For more samples than a slip may have, and the noise hides whether they lie on a cosine.
+        // Longer than the longest slip, or with noise that hides the shape of the fall.
         ("slow, for a second", &[[9.0, -0.3], [10.0, 1.0]], 11.0, NOISE_N),
         ("for a second, in noise", &[[9.0, -1.0], [10.0, 1.0]], 11.0, 5.0),
         ("fast", &[[9.0, -3.0], [9.3, 1.0]], 11.0, NOISE_N),
@@ -214,7 +214,7 @@ fn winding_back_between_slips_is_no_slip() {
     }
 }
 
-/// Pulled and let go by hand every 8 s: with the winch going on, and with a wait.
+/// Pulled and released by hand every 8 s, with the winch running on, and with a pause.
 #[test]
 fn a_cable_let_go_gives_no_coefficient() {
     for (rate, pull_s) in [(69.0, 8.0), (69.0, 5.0), (360.0, 1.6)] {
@@ -236,7 +236,7 @@ fn a_cable_let_go_gives_no_coefficient() {
     }
 }
 
-/// A block that water drags on so much that it never stops again, in small steps.
+/// A block with so much water drag that it never stops, integrated in small steps.
 fn dragged(seed: u64, drag_n_s_per_m: f64, mu: f64) -> Vec<f64> {
     const STEP_S: f64 = 2.5e-4;
     let (stiffness, winch, mass) = (23_000.0, 0.01565, WEIGHT_N / 9.81);
@@ -256,7 +256,7 @@ fn dragged(seed: u64, drag_n_s_per_m: f64, mu: f64) -> Vec<f64> {
     (0..1440).map(sample).collect()
 }
 
-/// The block breaks away and slides on evenly: a slip without a rest.
+/// The block breaks away and then slides steadily: a slip without a rest.
 #[test]
 fn a_breakaway_into_steady_sliding_gives_no_coefficient() {
     for (drag, mu) in [(1500.0, 0.7), (3000.0, 0.75), (8000.0, 0.6)] {
@@ -295,7 +295,7 @@ fn a_weight_that_cannot_be_is_said() {
     assert!(outcome.events.iter().all(|e| e.reason == Some(Reason::Implausible)));
 }
 
-/// Two teeth in seven samples.
+/// Two teeth of a saw in seven samples.
 #[test]
 fn the_teeth_of_a_steep_saw_are_found_and_refused() {
     for seed in 1..=SEEDS {
@@ -307,7 +307,7 @@ fn the_teeth_of_a_steep_saw_are_found_and_refused() {
     }
 }
 
-/// Three samples from slip to slip, and two.
+/// Recurrences of three samples, and of two.
 #[test]
 fn a_recurrence_of_less_than_four_samples_is_refused() {
     for rate_hz in [1.7, 1.235] {
@@ -319,8 +319,8 @@ fn a_recurrence_of_less_than_four_samples_is_refused() {
     }
 }
 
-/// Slips of 1.1 and of .85 samples from one to the next: those that are seen are slower, and softer
-/// than the winch has them. What the winch does not contradict is given as ever.
+/// Recurrences of 1.1 and .85 samples: the apparent slips are slower, and the apparent cable softer
+/// than the winch's speed implies. Events that agree with the winch's speed are still reported.
 #[test]
 fn slips_made_of_the_samples_of_faster_ones_are_refused_where_the_winch_tells() {
     let fast = |stiffness_n_per_m| {

@@ -1,4 +1,4 @@
-//! Events and stretches come one after the other, whatever the force does.
+//! Events and stretches are in order for arbitrary forces.
 
 use floe::sim::{Scene, simulate};
 use floe_core::Event;
@@ -8,7 +8,7 @@ use proptest::test_runner::{Config as Cases, RngAlgorithm, TestRng, TestRunner};
 
 use super::{Outcome, config, read};
 
-/// One after the other, and nothing twice.
+/// Checks that events and stretches are in order and disjoint.
 fn in_order(outcome: &Outcome) -> Result<(), TestCaseError> {
     for event in &outcome.events {
         prop_assert!(event.onset <= event.stop, "{event:?}");
@@ -51,12 +51,12 @@ fn events_and_stretches_are_ordered_and_disjoint_in_every_scene() {
     assert!(scenes > 20, "{scenes}");
 }
 
-/// Height, period, part that falls, noise, scatter.
+/// Amplitude, period, falling fraction, noise and scatter of a saw.
 type Saw = (f64, f64, f64, f64, f64);
-/// Step of the walk, height and period of the swing, level, seed.
+/// Step of a random walk, amplitude and period of an oscillation, level, seed.
 type Rest = (f64, f64, f64, f64, u64);
 
-/// Saws, walks, swings and steps of any size with noise of any size.
+/// Saws, random walks, oscillations and steps of arbitrary size with arbitrary noise.
 #[test]
 fn events_and_stretches_are_ordered_and_disjoint_whatever_the_force_does() {
     const SEED: [u8; 32] = *b"floe no slip, always the same...";

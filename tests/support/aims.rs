@@ -1,69 +1,69 @@
-//! Figures held to aims, and the list of those that do not reach theirs yet.
+//! Figures with aims, and lists of the figures that miss them.
 //!
-//! A list is a CSV file: row, what, how far beyond the aim it may be, why. A figure that
-//! misses its aim fails unless the list has it; one that has reached it must leave the
-//! list ([`shrink`] takes it out, and never puts anything in).
+//! A list is a CSV file with row, figure, largest miss, and reason. A missed aim is an error unless
+//! the list has it; a reached aim must be removed from the list, which [`shrink`] does. Nothing is
+//! added.
 
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-/// Aim of the share of 95 % intervals that hold the truth.
+/// Aim for the fraction of 95 % intervals that cover the truth.
 pub const COVERAGE: (f64, f64) = (0.90, 0.99);
 
-/// A figure beside its aim.
+/// A figure with its aim.
 #[derive(Clone, Debug)]
 pub struct Check {
     /// Row of the table.
     pub row: String,
-    /// Which figure of the row.
+    /// Name of the figure in its row.
     pub what: String,
     /// The figure.
     pub value: f64,
-    /// How far it is from its aim; zero or less when it is there.
+    /// Distance from the aim; zero or less if the aim is reached.
     pub miss: f64,
 }
 
 impl Check {
-    /// A figure that is to be within two values.
+    /// A figure with an aim between two values.
     #[must_use]
     pub fn between(row: &str, what: &str, value: f64, (least, most): (f64, f64)) -> Self {
-        // What is no number is no aim reached.
+        // NaN never reaches an aim.
         let miss = if value.is_nan() { f64::INFINITY } else { (least - value).max(value - most) };
         Self { row: row.to_owned(), what: what.to_owned(), value, miss }
     }
 
-    /// A figure that is to be this at least.
+    /// A figure with a lower limit as its aim.
     #[must_use]
     pub fn least(row: &str, what: &str, value: f64, least: f64) -> Self {
         Self::between(row, what, value, (least, f64::INFINITY))
     }
 
-    /// A figure that is to be this at most.
+    /// A figure with an upper limit as its aim.
     #[must_use]
     pub fn most(row: &str, what: &str, value: f64, most: f64) -> Self {
         Self::between(row, what, value, (f64::NEG_INFINITY, most))
     }
 }
 
-/// Shares between two aims, and what chance adds at so many draws: three standard errors, below those
-/// of a share of .95, above those of the upper aim itself.
+/// Aims of a fraction, widened by three standard errors for a number of draws: below by those of a
+/// fraction of .95, above by those of the upper aim.
 #[must_use]
 pub fn share_limits((least, most): (f64, f64), draws: usize) -> (f64, f64) {
     let chance = |share: f64| 3.0 * (share * (1.0 - share) / draws.max(1) as f64).sqrt();
     (least - chance(0.95), most + chance(most))
 }
 
-/// An aim that is not reached yet.
+/// A missed aim on a list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotYet {
     /// Row of the table.
     pub row: String,
-    /// Which figure.
+    /// Name of the figure.
     pub what: String,
-    /// Largest miss.
+    /// Largest accepted miss.
     pub miss: f64,
-    /// Why.
+    /// Reason.
     pub why: String,
 }
 
@@ -90,8 +90,8 @@ pub fn not_yet(file: &Path) -> Vec<NotYet> {
     text.lines().skip(1).map(entry).collect()
 }
 
-/// What is wrong, one line each: an aim that is missed and not on the list, one missed by
-/// more than the list allows, and one on the list that is reached or not there.
+/// Error messages: a missed aim that is not on the list, a larger miss than listed, and a listed
+/// aim that is reached or does not exist.
 #[must_use]
 pub fn faults(checks: &[Check], list: &[NotYet]) -> Vec<String> {
     let missed = checks.iter().filter_map(|check| {
@@ -106,12 +106,12 @@ pub fn faults(checks: &[Check], list: &[NotYet]) -> Vec<String> {
     missed.chain(stale).collect()
 }
 
-/// Why a figure misses its aim, as a list has it.
+/// The listed reason of a missed aim.
 pub fn reason<'a>(list: &'a [NotYet]) -> impl Fn(&Check) -> &'a str {
     move |check| list.iter().find(|e| e.is_of(check)).map_or("not on the list", |e| &e.why)
 }
 
-/// The figures that miss their aims, and why, as a section of a page.
+/// Section of a page with the missed aims and their reasons.
 #[must_use]
 pub fn section<'a>(checks: &[Check], why: impl Fn(&Check) -> &'a str) -> String {
     let line = |check: &Check| {
@@ -132,11 +132,11 @@ fn is_missed(entry: &NotYet, checks: &[Check]) -> bool {
     checks.iter().any(|check| entry.is_of(check) && check.miss > 0.0)
 }
 
-/// Holds figures to their aims or to the list `golden/NAME-not-yet.csv`, which `FLOE_TABLE=write`
-/// shrinks.
+/// Checks figures against their aims and the list `golden/NAME-not-yet.csv`, which
+/// `FLOE_TABLE=write` shrinks.
 ///
 /// # Panics
-/// With what is wrong.
+/// If an aim is missed without being listed, or the list is outdated.
 pub fn hold(name: &str, checks: &[Check]) {
     let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden");
     let list = golden.join(format!("{name}-not-yet.csv"));
@@ -147,7 +147,7 @@ pub fn hold(name: &str, checks: &[Check]) {
     assert!(faults.is_empty(), "{} faults\n{}", faults.len(), faults.join("\n"));
 }
 
-/// Takes off a list what has reached its aim.
+/// Removes reached aims from a list.
 ///
 /// # Panics
 /// The file cannot be read or written.

@@ -1,5 +1,5 @@
-//! The application on this PC: a converter that gives codes from a list, a console, a
-//! store of the test's choice.
+//! The application on this PC, with a converter that replays codes, a console, and a store chosen
+//! by the test.
 
 use floe_core::Counts;
 use floe_firmware::adc::{AdcFault, BridgeAdc};
@@ -11,8 +11,7 @@ use floe_firmware::store::Store;
 
 use crate::terminal::Terminal;
 
-/// Codes over and over, one a tick: the sample with index `i` has code `i`, modulo their
-/// number.
+/// A converter that repeats a list of codes: sample `i` has code `i` modulo the list's length.
 #[derive(Debug)]
 struct Codes<'a> {
     codes: &'a [i32],
@@ -37,7 +36,7 @@ pub struct Board<'q, 'c, S> {
 }
 
 impl<S: Store> Board<'_, '_, S> {
-    /// A sampling period: the tick, and what the main loop makes of it.
+    /// Runs a sampling period: the tick and the main loop.
     pub fn tick(&mut self) {
         self.sampler.tick(self.ticks.wrapping_mul(62_500));
         self.ticks = self.ticks.wrapping_add(1);
@@ -45,24 +44,24 @@ impl<S: Store> Board<'_, '_, S> {
         self.app.tend();
     }
 
-    /// Types, and lets the board read it.
+    /// Types keys and lets the board read them.
     pub fn type_in(&mut self, keys: &[u8]) {
         self.terminal.type_in(keys);
         self.app.turn();
     }
 
-    /// What it has said since this was last asked.
+    /// Output since the previous call.
     pub fn said(&mut self) -> String {
         self.terminal.said()
     }
 
-    /// What its display shows.
+    /// Values for the display.
     pub fn view(&self) -> View {
         self.app.view()
     }
 }
 
-/// Switches a board on, for as long as something is done with it.
+/// Switches a board on and runs a function with it.
 pub fn with_board<S: Store, T>(
     store: S,
     codes: &[i32],
@@ -78,7 +77,7 @@ pub fn with_board<S: Store, T>(
     use_it(&mut Board { sampler, app, terminal, ticks: 0 })
 }
 
-/// Every whole line in a text.
+/// All lines in a text.
 pub fn lines(said: &str) -> impl Iterator<Item = Line<'_>> {
     said.lines().map(|text| Line::parse(text).unwrap_or_else(|error| panic!("{text}: {error}")))
 }

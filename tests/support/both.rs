@@ -1,4 +1,4 @@
-//! The same samples through the core in single and in double precision.
+//! Runs the core in single and in double precision on the same samples.
 
 use floe::sim::Scene;
 use floe_core::{
@@ -7,14 +7,14 @@ use floe_core::{
 
 use crate::wide;
 
-/// The two pipelines side by side.
+/// The pipelines in both precisions.
 #[derive(Clone, Debug)]
 pub struct Both {
-    /// As shipped.
+    /// The core in single precision, as shipped.
     pub single: Pipeline,
-    /// The reference.
+    /// The core in double precision.
     pub double: wide::Pipeline,
-    /// Events of either, in order.
+    /// Events of both, in order.
     pub events: (Vec<Event>, Vec<wide::Event>),
 }
 
@@ -30,7 +30,7 @@ impl Both {
         Self { single, double, events: (Vec::new(), Vec::new()) }
     }
 
-    /// Takes a force, N: rounded for the one, as it is for the other.
+    /// Takes a force, N, rounded for single precision only.
     pub fn force(&mut self, index: u32, force_n: f64) {
         let single = Reading::Force(Newtons(force_n as f32));
         self.step(index, single, wide::Reading::Force(wide::Newtons(force_n)));
@@ -56,7 +56,7 @@ impl Both {
     }
 }
 
-/// What the core is told about a scene.
+/// Configuration of the core for a scene.
 #[must_use]
 pub fn config(scene: &Scene) -> Config {
     let range_n = scene.measurement.range_n - scene.measurement.tare_n.abs();
@@ -71,7 +71,7 @@ pub fn config(scene: &Scene) -> Config {
     }
 }
 
-/// The same configuration, its numbers as single precision has them.
+/// The configuration in double precision, with the values rounded to single precision.
 fn widened(config: &Config) -> wide::Config {
     let floe_core::Calibration { tare_counts, counts_per_n, range_counts } = config.calibration;
     let counts_per_n = counts_per_n.into();
@@ -88,14 +88,14 @@ fn widened(config: &Config) -> wide::Config {
     }
 }
 
-/// How far single precision is from double.
+/// Differences between the precisions.
 #[derive(Clone, Debug, Default)]
 pub struct Differences {
-    /// Of `mu_s` and `mu`, in stated standard deviations of the event.
+    /// Differences of `mu_s` and `mu`, in stated standard deviations of the event.
     pub coefficients: [Vec<f64>; 2],
-    /// Of the onset, sampling periods.
+    /// Differences of the onset, sampling periods.
     pub onset: Vec<f64>,
-    /// Events, or coefficients of an event, that only one of them has.
+    /// Number of events, or coefficients of an event, that only one precision has.
     pub alone: usize,
 }
 
@@ -131,7 +131,7 @@ impl Differences {
     }
 }
 
-/// Onset of an event, sampling periods.
+/// Onset of an event, in sampling periods.
 #[must_use]
 pub fn periods(event: &Event) -> f64 {
     event.onset.index as f64 + f64::from(event.onset.fraction)

@@ -1,13 +1,13 @@
-//! The block on a cable by brute force: Newton's law in small steps.
+//! A block on a cable, integrated by Newton's law in small steps.
 //!
-//! Knows only `M dv/dt = F − W (sin α + mu cos α)` and `d(stretch)/dt = w − v`, and
-//! none of the formulas it is to check: no ellipse, no closed times. Classical
-//! Runge-Kutta; the moments at which the block starts, stops, or the cable turns
-//! slack are found by halving the step.
+//! Uses only `M dv/dt = F − W (sin α + mu cos α)` and `d(stretch)/dt = w − v`, and none of the
+//! formulas that it verifies (no ellipse, no closed-form times). The method is classical
+//! Runge-Kutta; the times at which the block starts or stops, or the cable goes slack, are found by
+//! bisection.
 
 use crate::normal::Normal;
 
-/// What is pulled; SI units.
+/// Parameters of a pull, in SI units.
 #[derive(Clone, Copy, Debug)]
 pub struct Pull {
     /// Weight of the block, N.
@@ -36,7 +36,7 @@ pub struct Pull {
     pub noise_n: f64,
     /// Length, s.
     pub duration_s: f64,
-    /// Time of the first sample after the start, s.
+    /// Time of the first sample, s.
     pub delay_s: f64,
     /// Time step, s.
     pub step_s: f64,
@@ -68,7 +68,7 @@ impl Default for Pull {
     }
 }
 
-/// What really happened in one event.
+/// True values of one event.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Truth {
     /// Onset, s.
@@ -83,15 +83,15 @@ pub struct Truth {
     pub restick_n: f64,
     /// Largest speed, m/s.
     pub top_speed_m_per_s: f64,
-    /// Coefficients.
+    /// Static coefficient.
     pub mu_s: f64,
-    /// Dynamic.
+    /// Dynamic coefficient.
     pub mu: f64,
-    /// The cable went slack.
+    /// Whether the cable went slack.
     pub slack: bool,
 }
 
-/// A finished pull: forces at `delay + i / rate`, and the truth.
+/// A complete pull: forces at `delay + i / rate`, and the true events.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     /// Forces, N.
@@ -100,12 +100,12 @@ pub struct Record {
     pub events: Vec<Truth>,
 }
 
-/// Block and cable at one moment.
+/// State of block and cable.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
     /// Time, s.
     pub time_s: f64,
-    /// Cable taken up minus way of the block, m; below zero: slack.
+    /// Length of cable taken up minus distance moved by the block, m; negative: slack.
     pub stretch_m: f64,
     /// Speed of the block, m/s.
     pub speed_m_per_s: f64,
@@ -114,14 +114,14 @@ pub struct State {
 }
 
 impl Pull {
-    /// Force in the cable, N; a cable does not push.
+    /// Force in the cable, N; never negative.
     #[must_use]
     pub fn force_n(&self, state: &State) -> f64 {
         let force_n = self.stiffness_n_per_m * state.stretch_m;
         if force_n <= 0.0 || self.sag_n2_m <= 0.0 {
             return force_n.max(0.0);
         }
-        // F/k − sag/(2 F²) = stretch, by Newton's rule.
+        // F/k − sag/(2 F²) = stretch, solved by Newton's method.
         let mut f = force_n.max(50.0);
         for _ in 0..20 {
             let value =
@@ -132,7 +132,7 @@ impl Pull {
         f
     }
 
-    /// Force of friction with this coefficient and of the slope, N.
+    /// Resistance from friction with this coefficient and from the slope, N.
     #[must_use]
     pub fn resistance_n(&self, mu: f64) -> f64 {
         self.weight_n * (self.slope_rad.sin() + mu * self.slope_rad.cos())
@@ -145,8 +145,8 @@ impl Pull {
         self.winch_m_per_s * (1.0 + self.ripple.0 * phase.sin())
     }
 
-    /// The state `h` seconds later by one Runge-Kutta step: a resting block rests, a
-    /// sliding one slides on against `mu`, whatever its speed.
+    /// The state `h` seconds later by one Runge-Kutta step. A resting block stays at rest, a
+    /// sliding one slides against `mu` at any speed.
     #[must_use]
     pub fn moved(&self, mu: f64, from: &State, h: f64) -> State {
         let mass_kg = self.weight_n / self.gravity_m_per_s2;
@@ -169,8 +169,8 @@ impl Pull {
         after(h, (mean(a.0, b.0, c.0, d.0), mean(a.1, b.1, c.1, d.1)))
     }
 
-    /// The first state within `h` seconds for which something holds that holds at the
-    /// end of them, by halving.
+    /// The first state within `h` seconds that satisfies a condition which holds at their end, by
+    /// bisection.
     #[must_use]
     pub fn first(&self, mu: f64, from: &State, h: f64, holds: impl Fn(&State) -> bool) -> State {
         let (mut before, mut after) = (0.0, h);
@@ -186,16 +186,16 @@ impl Pull {
     }
 }
 
-/// A block being pulled, with the event it is in.
+/// A block in motion, with the event in progress.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
-    /// Where it is.
+    /// State of block and cable.
     pub state: State,
     now: Truth,
 }
 
 impl Block {
-    /// At rest at the given force in a straight cable, N.
+    /// A block at rest with the given force, N, and a straight cable.
     #[must_use]
     pub fn resting(pull: &Pull, force_n: f64) -> Self {
         let stretch_m = force_n / pull.stiffness_n_per_m;
@@ -208,8 +208,7 @@ impl Block {
         self.now = Truth { mu_s: pull.mu_s * vary(), mu: pull.mu * vary(), ..Truth::default() };
     }
 
-    /// Moves on by `h` seconds, or less if something happens before; gives the event
-    /// that is complete.
+    /// Advances by `h` seconds or up to the next change of phase; returns a completed event.
     pub fn step(&mut self, pull: &Pull, h: f64) -> Option<Truth> {
         let from = self.state;
         let (mu, limit_n) = (self.now.mu, pull.resistance_n(self.now.mu_s));
@@ -258,7 +257,7 @@ impl Block {
     }
 }
 
-/// Runs the pull from where a stick usually starts.
+/// Runs the pull, starting with the usual force at the beginning of a stick.
 #[must_use]
 pub fn run(pull: &Pull, seed: u64) -> Record {
     let mut random = Normal::new(seed);
@@ -284,7 +283,7 @@ struct Runner<'a> {
 }
 
 impl Runner<'_> {
-    /// Mean force over the aperture that ends now, N.
+    /// Mean force over the aperture that ends at the current time, N.
     fn sample_n(&mut self, sample_s: f64) -> f64 {
         let aperture_s = self.pull.aperture_s;
         self.advance(sample_s - aperture_s);

@@ -1,4 +1,4 @@
-//! The classes of trouble in `host-sim/scenes/honesty`, and the aims of each.
+//! The classes of trouble in `host-sim/scenes/honesty` and their aims.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -66,16 +66,16 @@ pub const CLASSES: [(&str, Kind); 52] = [
 
 const COEFFICIENTS: [&str; 2] = ["mu_s", "mu"];
 
-/// Where their scenes are.
+/// Folder with the scenes of the classes.
 #[must_use]
 pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes/honesty")
 }
 
-/// The scene of a class, and what it is about.
+/// The scene of a class, and its description.
 ///
 /// # Panics
-/// There is none, or it cannot be read.
+/// The scene does not exist, or cannot be read.
 #[must_use]
 pub fn scene(name: &str) -> (Scene, String) {
     let file = folder().join(format!("{name}.toml"));
@@ -85,14 +85,14 @@ pub fn scene(name: &str) -> (Scene, String) {
     (scene, about)
 }
 
-/// Records of a class: as many as given, and of a scene of a few events enough of them.
+/// Number of records for a class: `usual`, or 100 for a scene shorter than 10 s.
 #[must_use]
 pub fn records(scene: &Scene, usual: u64) -> u64 {
     const OF_A_SHORT_ONE: u64 = 100;
     if scene.duration_s < 10.0 { OF_A_SHORT_ONE } else { usual }
 }
 
-/// Its figures beside their aims.
+/// The figures of a class with their aims.
 #[must_use]
 pub fn checks(name: &str, kind: Kind, class: &Class) -> Vec<Check> {
     let Class { exact, drawn } = class;
@@ -119,10 +119,10 @@ fn interval_checks(name: &str, judged: &Judged, when: &str, sharp: bool) -> Vec<
             let what = format!("{what} of {coefficient}{when}");
             checks.push(Check::between(name, &what, value, limits));
         };
-        // The inputs' errors are one draw a record.
+        // Drawn errors of the inputs are equal for all events of a record.
         let draws = if when.is_empty() { events.count() } else { means.count() };
         check("coverage", events.coverage(), share_limits(COVERAGE, draws));
-        // A record that states no interval for its mean is not wrong.
+        // A record without an interval for its mean is accepted.
         if means.count() > 0 {
             check("coverage of the mean", means.coverage(), share_limits(COVERAGE, means.count()));
         }
@@ -136,8 +136,8 @@ fn interval_checks(name: &str, judged: &Judged, when: &str, sharp: bool) -> Vec<
     checks
 }
 
-/// Coverages with exact inputs that are outside their aim by no more than chance may do, with the
-/// number of intervals. Of the means those below it: of twelve records all may well be covered.
+/// Coverages with exact inputs that miss their aim by no more than chance explains, with the number
+/// of intervals. Of the means only low ones are listed, since twelve of twelve may well be covered.
 #[must_use]
 pub fn within_chance(name: &str, class: &Class) -> Vec<(Check, usize)> {
     let Judged { events, means, .. } = &class.exact;

@@ -1,4 +1,4 @@
-//! A first day on the ice: what the load cell feels, and what is typed.
+//! A first day on the ice: forces on the load cell, and console input.
 
 use floe::sim::terms::Weighing;
 use floe::sim::{Measurement, Scene, simulate};
@@ -7,22 +7,22 @@ use floe::sim::{Measurement, Scene, simulate};
 pub const SPAN: f64 = 429.5;
 /// Code of the empty hook.
 const ZERO: f64 = 12_345.0;
-/// The converter's own noise in codes, and its seed.
+/// Standard deviation of the converter's noise, in codes, and its seed.
 pub const NOISE: (f64, u64) = (12.0, 5);
-/// By how much the zero has moved after the pull, N.
+/// Shift of the zero after the pull, N.
 pub const MOVED_N: f64 = 0.9;
 
-/// Ticks at which the day's parts begin, 16 a second.
+/// Ticks at which parts of the day begin (16 per second).
 const HANGING: u64 = 260;
 const PULLED: u64 = 1040;
 const SLACK: u64 = 2000;
 
-/// When the result so far is asked for, and when the display has surely shown it.
+/// Tick of the `status` command, after which the display shows the result.
 pub const ASKED: u64 = 1950;
-/// Before the next event ends.
+/// Tick before the end of the next event, at which the display is compared.
 pub const LOOKED: u64 = 1969;
 
-/// The block on the tripod: 630 N, 5 degrees, 2 s, 2 N of noise.
+/// Force of the block on the tripod, N: 630 N, amplitude 5 degrees, period 2 s, noise 2 N.
 #[must_use]
 pub fn swinging(seconds: f64) -> Vec<f64> {
     let length_m = 9.80665 / std::f64::consts::PI.powi(2);
@@ -30,7 +30,7 @@ pub fn swinging(seconds: f64) -> Vec<f64> {
     forces(&Scene { weighing, ..pull(seconds) }, 3)
 }
 
-/// Test DFF8-13.
+/// The pull of test DFF8-13.
 fn pull(duration_s: f64) -> Scene {
     let measurement = Measurement { white_n: 2.0, ..Measurement::default() };
     Scene { duration_s, measurement, ..Scene::default() }
@@ -41,13 +41,13 @@ fn forces(scene: &Scene, seed: u64) -> Vec<f64> {
     simulation.samples.iter().map(|sample| sample.force_n).collect()
 }
 
-/// What a converter makes of forces with so many codes per newton.
+/// Converter codes of forces, with `span` codes per newton.
 #[must_use]
 pub fn codes(forces_n: impl IntoIterator<Item = f64>, span: f64) -> Vec<i32> {
     forces_n.into_iter().map(|force_n| (ZERO + span * force_n).round() as i32).collect()
 }
 
-/// What the cell feels all day.
+/// Forces on the cell during the whole day, N.
 #[must_use]
 pub fn day() -> Vec<f64> {
     let mut forces_n = vec![0.0; HANGING as usize];
@@ -59,7 +59,7 @@ pub fn day() -> Vec<f64> {
     forces_n
 }
 
-/// What is typed, each line before the tick of a number.
+/// Console input: each line is typed before the tick of its number.
 pub const DAY: [(u64, &str); 22] = [
     (1, "clock 2027-03-02T10:15:00Z\n"),
     (2, "self-test\n"),

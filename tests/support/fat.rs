@@ -7,7 +7,7 @@ use std::rc::Rc;
 use embedded_sdmmc::{Block, BlockCount, BlockDevice, BlockIdx};
 
 const SECTOR: usize = 512;
-/// Where the partition begins, in sectors.
+/// First sector of the partition.
 pub const START: u32 = 8;
 const SECTORS: u16 = 8400;
 const FAT_SECTORS: u16 = 33;
@@ -15,16 +15,16 @@ const ROOT_ENTRIES: u16 = 512;
 
 const TABLE: usize = START as usize + 1;
 const ROOT: usize = TABLE + 2 * FAT_SECTORS as usize;
-/// Where files are, in sectors.
+/// Sectors of the files' contents.
 pub const FILES: Range<u32> = (ROOT as u32 + ROOT_ENTRIES as u32 / 16)..(START + SECTORS as u32);
 
-/// A card with somebody's picture of one sector, the first file on it.
+/// A card whose first file is a picture of one sector that belongs to the user.
 #[must_use]
 pub fn with_picture() -> Vec<u8> {
     let mut card = formatted();
     let mut put = |at: usize, bytes: &[u8]| card[at..at + bytes.len()].copy_from_slice(bytes);
     put(ROOT * SECTOR, b"PICTURE JPG\x20");
-    // Its first cluster, and its length.
+    // First cluster and length of the picture.
     put(ROOT * SECTOR + 26, &[2, 0, 0, 2, 0, 0]);
     for table in 0..2 {
         put((TABLE + table * usize::from(FAT_SECTORS)) * SECTOR + 4, &[0xFF, 0xFF]);
@@ -33,7 +33,7 @@ pub fn with_picture() -> Vec<u8> {
     card
 }
 
-/// The entry of that picture, and the picture.
+/// Directory entry and content of the picture.
 #[must_use]
 pub fn picture(card: &[u8]) -> [&[u8]; 2] {
     let [entry, content] = [ROOT * SECTOR, FILES.start as usize * SECTOR];
@@ -78,20 +78,20 @@ pub fn formatted() -> Vec<u8> {
     card
 }
 
-/// The partition alone, as `fsck.fat` wants it.
+/// The partition alone, for `fsck.fat`.
 #[must_use]
 pub fn partition(card: &[u8]) -> &[u8] {
     &card[SECTOR * START as usize..]
 }
 
-/// What becomes of the rest of a sector whose writing was cut short.
+/// Content of the rest of a sector after an interrupted write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rest {
-    /// As it was before.
+    /// The previous content.
     Old,
     /// All ones: erased.
     Erased,
-    /// Anything.
+    /// Random bytes.
     Noise,
 }
 
@@ -105,7 +105,7 @@ pub struct SimCard {
     is_unreadable: Rc<Cell<bool>>,
 }
 
-/// The power is gone, or the card does not answer.
+/// Error: the power is off, or the card does not answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Dead;
 
@@ -118,7 +118,7 @@ impl core::fmt::Display for Dead {
 impl core::error::Error for Dead {}
 
 impl SimCard {
-    /// A card with that content.
+    /// A card with the given content.
     #[must_use]
     pub fn new(bytes: Vec<u8>) -> Self {
         let (written, cut) = (Rc::default(), Rc::default());
@@ -126,14 +126,14 @@ impl SimCard {
         Self { bytes: Rc::new(RefCell::new(bytes)), written, cut, is_new, is_unreadable }
     }
 
-    /// Takes the card out and puts another in, with that content: it does not answer the first
-    /// time, as it has not been got ready. What was on the one before.
+    /// Exchanges the card for one with the given content, which does not answer the first access,
+    /// because it has not been initialized. Returns the content of the previous card.
     pub fn exchange(&self, bytes: Vec<u8>) -> Vec<u8> {
         self.is_new.set(true);
         self.bytes.replace(bytes)
     }
 
-    /// From now on its files can be read, or not.
+    /// Sets whether the files can be read.
     pub fn set_readable(&self, is_readable: bool) {
         self.is_unreadable.set(!is_readable);
     }
@@ -142,7 +142,7 @@ impl SimCard {
         if self.is_dead() || self.is_new.replace(false) { Err(Dead) } else { Ok(()) }
     }
 
-    /// The power fails when so many more bytes have been written.
+    /// Lets the power fail after `bytes` more bytes have been written.
     pub fn cut_after(&self, bytes: u64, rest: Rest) {
         self.cut.set(Some((self.written.get() + bytes, rest)));
     }
@@ -153,18 +153,18 @@ impl SimCard {
         self.cut.get().is_some_and(|(at, _)| self.written.get() >= at)
     }
 
-    /// The power is back.
+    /// Restores the power.
     pub fn revive(&self) {
         self.cut.set(None);
     }
 
-    /// Bytes written since it was made.
+    /// Number of bytes written since the card was created.
     #[must_use]
     pub fn written(&self) -> u64 {
         self.written.get()
     }
 
-    /// All that is on it.
+    /// Content of the card.
     #[must_use]
     pub fn content(&self) -> Vec<u8> {
         self.bytes.borrow().clone()

@@ -1,17 +1,17 @@
-//! Samples into the core, events and report out.
+//! Feeds samples to the core and collects events and report.
 
 use floe::replay::without_losses;
 use floe_core::signal::window::WINDOW;
 use floe_core::{Config, Event, Losses, Newtons, Pipeline, RawSample, Reading, Report, Stretch};
 
-/// What came out of a pipeline.
+/// Results of a pipeline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// All events, the pending one too.
+    /// All events, including the pending one.
     pub events: Vec<Event>,
-    /// What belongs to no event.
+    /// Stretches without events.
     pub stretches: Vec<Stretch>,
-    /// The result at the end.
+    /// The report at the end.
     pub report: Report,
 }
 
@@ -21,7 +21,7 @@ pub fn force(index: u32, force_n: f64) -> RawSample {
     RawSample { index, reading: Reading::Force(Newtons(force_n as f32)) }
 }
 
-/// Forces in a row from index zero.
+/// Samples from consecutive forces, with indices from zero.
 pub fn in_a_row(forces_n: &[f64]) -> impl Iterator<Item = RawSample> + '_ {
     (0..).zip(forces_n).map(|(index, &force_n)| force(index, force_n))
 }
@@ -34,8 +34,8 @@ pub fn replay(config: &Config, samples: impl IntoIterator<Item = RawSample>) -> 
     replay_with(config, samples, |_, event| event)
 }
 
-/// The same, with what the whole test tells of the cable's losses in every event, as the result
-/// of a replay has it.
+/// Feeds a whole test, and applies the cable's losses known at its end to every event, as a replay
+/// does.
 ///
 /// # Panics
 /// The configuration is refused.
@@ -51,7 +51,7 @@ pub fn replay_in_hindsight(
     outcome
 }
 
-/// Feeds a whole test; `told` makes of an event what is kept of it.
+/// Feeds a whole test; `told` converts each event before it is kept.
 fn replay_with(
     config: &Config,
     samples: impl IntoIterator<Item = RawSample>,
@@ -70,7 +70,7 @@ fn replay_with(
     Outcome { events, stretches, report }
 }
 
-/// Feeds samples into a test that is under way.
+/// Feeds samples to a running test.
 pub fn feed(pipeline: &mut Pipeline, samples: impl IntoIterator<Item = RawSample>) -> Vec<Event> {
     samples.into_iter().filter_map(|sample| pipeline.step(sample).event).collect()
 }
@@ -78,13 +78,13 @@ pub fn feed(pipeline: &mut Pipeline, samples: impl IntoIterator<Item = RawSample
 /// Ends a test.
 ///
 /// # Panics
-/// It does not end.
+/// The pipeline does not stop returning events.
 pub fn finish(pipeline: &mut Pipeline) -> Vec<Event> {
     finish_with(pipeline, &|_, event| event)
 }
 
 fn finish_with(pipeline: &mut Pipeline, told: &impl Fn(&Pipeline, Event) -> Event) -> Vec<Event> {
-    // The window holds samples that may yet be looked at; a slip takes two or more.
+    // The window holds samples still to be processed; a slip takes two or more.
     const MOST: usize = WINDOW / 2;
     let next = || {
         let event = pipeline.finish()?;

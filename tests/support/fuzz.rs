@@ -1,14 +1,14 @@
-//! Cases that nobody thought of: what is well-formed, with a few things wrong.
+//! Random cases: well-formed input with a few errors.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::time::{Duration, Instant};
 
-/// A small generator, the same everywhere (splitmix64).
+/// A small generator with equal numbers on every machine (splitmix64).
 #[derive(Clone, Debug)]
 pub struct Dice(u64);
 
 impl Dice {
-    /// Different numbers for every seed.
+    /// A generator whose numbers depend on the seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed)
@@ -23,7 +23,7 @@ impl Dice {
         z ^ (z >> 31)
     }
 
-    /// A number below a limit, 0 for a limit of 0.
+    /// A number below a limit; 0 for a limit of 0.
     pub fn below(&mut self, limit: usize) -> usize {
         (self.bits() % limit.max(1) as u64) as usize
     }
@@ -33,12 +33,12 @@ impl Dice {
         &of[self.below(of.len())]
     }
 
-    /// So many random bytes.
+    /// `count` random bytes.
     pub fn bytes(&mut self, count: usize) -> Vec<u8> {
         (0..count).map(|_| self.bits() as u8).collect()
     }
 
-    /// One to eight changes; `words` are put in now and then.
+    /// Makes one to eight changes; some insert one of `words`.
     pub fn damage(&mut self, text: &mut Vec<u8>, words: &[&[u8]]) {
         for _ in 0..=self.below(8) {
             let at = self.below(text.len() + 1);
@@ -61,14 +61,14 @@ impl Dice {
     }
 }
 
-/// Longest time for one case: beyond it, it hangs.
+/// Longest time of a case before it counts as hung.
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// Runs case after case for a time (`FLOE_FUZZ_S` seconds, else 2), and prints how many
-/// there were. What a case comes of is its number alone, so that it can be run again.
+/// Runs cases for `FLOE_FUZZ_S` seconds (default 2), and prints their number. A case depends only
+/// on its number, so that it can be repeated.
 ///
 /// # Panics
-/// A case panicked, or took too long; its number is printed.
+/// A case panicked or took too long; its number is printed.
 pub fn run(name: &str, mut case: impl FnMut(&mut Dice)) {
     let seconds = std::env::var("FLOE_FUZZ_S").ok().and_then(|s| s.parse().ok()).unwrap_or(2.0);
     let first = std::env::var("FLOE_FUZZ_CASE").ok().and_then(|s| s.parse().ok());

@@ -1,7 +1,7 @@
-//! Never wrong and sure: one class of trouble after the other, judged twice.
+//! Evaluates the classes of trouble, each in two ways.
 //!
-//! (a) with exact inputs, (b) with weight, slope, zero and span drawn for each record from
-//! the standard deviations that are stated for them.
+//! (a) With exact inputs; (b) with weight, slope, zero and span drawn for each record from their
+//! stated standard deviations.
 
 use floe::bench::matching::Detection;
 use floe::bench::scenes::at_phase;
@@ -13,36 +13,37 @@ use crate::normal::Normal;
 use crate::score::{average, pair, quantile, rms};
 use crate::{both, feed};
 
-/// Time after a stop that an event needs to be judged, s: some of the line after it.
+/// Time after a stop that an event needs to be judged, s, for a part of the following line.
 const AFTER_S: f64 = 0.6;
 
-/// What is stated about the inputs, the core's defaults: relative weight, slope in degrees,
-/// zero as a part of the largest force, relative span.
+/// Stated standard deviations of the inputs, the core's defaults: relative weight, slope in
+/// degrees, zero as a fraction of the largest force, relative span.
 const INPUTS: [f64; 4] = [0.003, 0.2, 0.001, 0.001];
 
-/// What a class asks for.
+/// Expected result for a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Coefficients with intervals that hold, and are no wider than they have to be.
+    /// Coefficients with intervals that cover the truth and are not unnecessarily wide.
     Events,
-    /// The same, but the cause cannot be seen in the samples: the stated prior is as wide
-    /// as it is. A zero that moves is taken after the test as well.
+    /// Coefficients with intervals that cover the truth. The samples do not reveal the cause, so
+    /// the intervals have the width of the stated prior. A drifting zero is measured after the test
+    /// as well.
     Unseen,
-    /// No event at all.
+    /// No event.
     Nothing,
-    /// Events, if any, without coefficients.
+    /// Events without coefficients, or none.
     Refused,
 }
 
 impl Kind {
-    /// Are there true events whose coefficients are judged?
+    /// Whether true events with coefficients are judged.
     #[must_use]
     pub fn is_judged(self) -> bool {
         matches!(self, Self::Events | Self::Unseen)
     }
 }
 
-/// What is judged: the combined standard deviation and the 95 % interval.
+/// The judged quantities: combined standard deviation and 95 % interval.
 mod stated {
     use super::{Coefficient, Estimate};
 
@@ -51,14 +52,14 @@ mod stated {
         (c.combined_std().into(), (low.into(), high.into()))
     }
 
-    /// `None`: the core says that it knows none.
+    /// `None` if the core states no standard deviation.
     pub fn mean(e: &Estimate) -> Option<(f64, (f64, f64))> {
         let (std, (low, high)) = e.combined_std().zip(e.ci95())?;
         Some((std.into(), (low.into(), high.into())))
     }
 }
 
-/// Intervals of one coefficient against the truth.
+/// Errors and intervals of one coefficient.
 #[derive(Clone, Debug, Default)]
 pub struct Intervals {
     errors: Vec<f64>,
@@ -73,73 +74,73 @@ impl Intervals {
         self.covered += usize::from((low..=high).contains(&truth));
     }
 
-    /// How many.
+    /// Number of intervals.
     #[must_use]
     pub fn count(&self) -> usize {
         self.errors.len()
     }
 
-    /// Share that holds the truth.
+    /// Fraction that covers the truth.
     #[must_use]
     pub fn coverage(&self) -> f64 {
         self.covered as f64 / self.count() as f64
     }
 
-    /// Errors in standard deviations.
+    /// Absolute errors in standard deviations.
     pub fn scaled(&self) -> impl Iterator<Item = f64> + '_ {
         self.errors.iter().zip(&self.stds).map(|(e, s)| (e / s).abs())
     }
 
-    /// Worst error in standard deviations.
+    /// Largest error in standard deviations.
     #[must_use]
     pub fn worst(&self) -> f64 {
         self.scaled().fold(0.0, f64::max)
     }
 
-    /// Share of the errors beyond five standard deviations.
+    /// Fraction of errors above five standard deviations.
     #[must_use]
     pub fn beyond_five(&self) -> f64 {
         self.scaled().filter(|z| *z > 5.0).count() as f64 / self.count() as f64
     }
 
-    /// Median standard deviation over the root-mean-square error.
+    /// Ratio of the median standard deviation to the root-mean-square error.
     #[must_use]
     pub fn width(&self) -> f64 {
         quantile(self.stds.iter().copied(), 0.5) / rms(&self.errors)
     }
 }
 
-/// One judgement of a class: pairs are of `mu_s` and `mu`.
+/// Results of a class; pairs are of `mu_s` and `mu`.
 #[derive(Clone, Debug, Default)]
 pub struct Judged {
-    /// How well the events were found.
+    /// Detection of the events.
     pub detection: Detection,
-    /// Found events with a coefficient that belong to no true one.
+    /// Number of found events with a coefficient that match no true event.
     pub wrong_coefficients: usize,
-    /// True events with both coefficients.
+    /// Number of true events with both coefficients.
     pub read: usize,
-    /// True events without, whose event says why.
+    /// Number of true events without coefficients whose event states a reason.
     pub reasoned: usize,
-    /// Of the events.
+    /// Intervals of the events.
     pub events: [Intervals; 2],
-    /// Of the means; one for each record that states an interval.
+    /// Intervals of the means, for each record that states one.
     pub means: [Intervals; 2],
 }
 
 impl Judged {
-    /// True events.
+    /// Number of true events.
     #[must_use]
     pub fn true_events(&self) -> usize {
         self.detection.hits + self.detection.misses
     }
 
-    /// What was invented: events, or events with coefficients where others are allowed.
+    /// Number of false results: events, or for `Refused` events with coefficients.
     #[must_use]
     pub fn invented(&self, kind: Kind) -> usize {
         if kind == Kind::Refused { self.wrong_coefficients } else { self.detection.false_alarms }
     }
 
-    /// Only the first `judged` of the true events count, and what was found there.
+    /// Adds a record, of which the first `judged` true events and the events found there count.
     fn add(&mut self, truths: &[TrueEvent], judged: usize, found: &[Event], hz: f64) {
         let (mut pairs, Detection { false_alarms, .. }) = pair(truths, found, hz);
         let is_paired = |f: usize, pairs: &[(usize, usize)]| pairs.iter().any(|p| p.1 == f);
@@ -175,7 +176,7 @@ impl Judged {
     }
 }
 
-/// A class: (a) with exact inputs, (b) with drawn ones.
+/// Results of a class: (a) with exact inputs, (b) with drawn ones.
 #[derive(Clone, Debug, Default)]
 pub struct Class {
     /// Exact inputs.
@@ -184,7 +185,7 @@ pub struct Class {
     pub drawn: Judged,
 }
 
-/// One record; its first events are judged.
+/// A record and the number of its first events that are judged.
 struct Record {
     simulation: Simulation,
     judged: usize,
@@ -201,7 +202,7 @@ impl Class {
         let population = population(scene, &records);
         let mut class = Self::default();
         for (seed, record) in (1..).zip(&records) {
-            // The prior of the losses is asked where there are some.
+            // The prior of the losses applies to scenes with losses only.
             let damping = if kind == Kind::Unseen { InputStd::default().damping } else { 0.0 };
             for (judged, errors, std) in [
                 (&mut class.exact, [0.0; 4], InputStd { damping, ..InputStd::EXACT }),
@@ -227,8 +228,8 @@ fn record(scene: &Scene, kind: Kind, seed: u64) -> Record {
     Record { simulation, judged: if kind == Kind::Refused { 0 } else { judged } }
 }
 
-/// What the mean of a record estimates: the scene's coefficients, or where a law makes
-/// others of them, the average over all records.
+/// True values that the mean of a record estimates: the scene's coefficients, or if a law of
+/// friction changes them, the average over all records.
 fn population(scene: &Scene, records: &[Record]) -> [f64; 2] {
     let lawful = scene.stribeck.is_some()
         || scene.rate_and_state.is_some()
@@ -242,7 +243,7 @@ fn population(scene: &Scene, records: &[Record]) -> [f64; 2] {
     average(records.iter().flat_map(|r| &r.simulation.events))
 }
 
-/// Errors of weight, slope, zero and span of a record, in the units of [`INPUTS`].
+/// Errors of weight, slope, zero and span in a record, in the units of [`INPUTS`].
 fn input_errors(seed: u64) -> [f64; 4] {
     let mut normal = Normal::new(1000 + seed);
     INPUTS.map(|std| std * normal.sample())

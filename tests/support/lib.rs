@@ -23,7 +23,7 @@ pub mod sweep;
 pub mod terminal;
 pub mod wide;
 
-/// Whether this runs where nothing may be left out for want of a tool.
+/// Whether this runs in CI, where a missing tool is an error.
 #[must_use]
 pub fn in_ci() -> bool {
     std::env::var("CI").is_ok_and(|ci| ci == "true")

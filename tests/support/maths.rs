@@ -1,4 +1,4 @@
-//! Elementary functions: how far they are off, and how far they may be.
+//! Errors of the elementary functions, and the largest acceptable errors.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use std::fmt;
 mod functions;
 
 mod hardware {
-    /// The PC has an instruction for it too.
+    /// Square root by the instruction of the PC.
     pub fn sqrt(x: f32) -> f32 {
         x.sqrt()
     }
@@ -14,21 +14,21 @@ mod hardware {
 
 pub use functions::{EMPTY, FUNCTIONS, Function};
 
-/// Points that a function is tried at.
+/// Number of points at which a function is evaluated.
 const POINTS: u32 = 1_000_000;
 
-/// An error's size, relative to the exact result, or of functions that cross zero
-/// as it is.
+/// Largest error of a function: relative to the exact result, or absolute for functions with a
+/// zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Error {
-    /// Its size.
+    /// Magnitude of the error.
     pub size: f64,
-    /// Is it relative to the result?
+    /// Whether the error is relative to the result.
     pub relative: bool,
 }
 
 impl Error {
-    /// The largest one of a function over its range, against double precision.
+    /// The largest error of a function over its range, compared with double precision.
     #[must_use]
     pub fn of(function: &Function) -> Self {
         let exact: fn(f64) -> f64 = match function.name {
@@ -58,20 +58,20 @@ impl fmt::Display for Error {
     }
 }
 
-/// What a force may be wrong by, in weights: so that the fit, which at most doubles
-/// it, moves a coefficient by a fiftieth of the smallest standard deviation that an
-/// event can have, `0.14 σ / M g` at a noise of 0.1 % of the weight.
+/// Acceptable error of a force, in weights. The fit at most doubles it, so it moves a coefficient
+/// by a fiftieth of an event's smallest standard deviation, `0.14 σ / M g` at a noise of 0.1 % of
+/// the weight.
 const FORCE: f64 = 0.02 * 0.14 * 0.001 / 2.0;
 /// Test DFF8-13: `mu_s − mu`; and `k w / (ω M g) = w ω / g` at the fastest winch.
 const DROP: f64 = 1.24 - 0.78;
 const WINCH: f64 = 0.04 * 18.9 / floe_core::units::STANDARD_GRAVITY_M_PER_S2;
-/// Range of a creep's force: a sixth of that drop.
+/// Range of a creep's force, in weights: a sixth of `DROP`.
 const CREEP: f64 = 0.08;
 /// Angle at which a fit begins, rad.
 const GUESS: f64 = 0.1;
 
-/// Largest error that what the core does with a function can bear; `None` if it
-/// does nothing. `docs/maths.md` has the reasons.
+/// Largest acceptable error of a function in its use by the core; `None` if the core does not use
+/// it. `docs/maths.md` has the reasons.
 #[must_use]
 pub fn bearable(name: &str) -> Option<f64> {
     match name {
@@ -85,7 +85,7 @@ pub fn bearable(name: &str) -> Option<f64> {
     }
 }
 
-/// Is it the one that the core calls?
+/// Whether the core calls this function.
 #[must_use]
 pub fn is_used(function: &Function) -> bool {
     let library = match function.name {
@@ -95,7 +95,7 @@ pub fn is_used(function: &Function) -> bool {
     function.library == library && bearable(function.name).is_some()
 }
 
-/// The columns of the table in `docs/maths.md` that are the same on every machine.
+/// The columns of the table in `docs/maths.md` that are equal on every machine.
 #[must_use]
 pub fn columns(function: &Function) -> String {
     let error = Error::of(function);

@@ -1,6 +1,6 @@
 //! Normal random numbers with a fixed seed.
 
-/// A small generator: the same numbers on every machine.
+/// A small generator with equal numbers on every machine.
 #[derive(Clone, Debug)]
 pub struct Normal {
     state: u64,
@@ -8,7 +8,7 @@ pub struct Normal {
 }
 
 impl Normal {
-    /// From a seed.
+    /// A generator with a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self { state: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1, spare: None }

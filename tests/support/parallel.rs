@@ -1,9 +1,9 @@
-//! The same job for many things, on all processors.
+//! Runs a job for many items on all processors.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What a job makes of each item, in their order.
+/// Results of a job for each item, in the order of the items.
 #[must_use]
 pub fn each<T: Sync, R: Send>(items: &[T], job: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));

@@ -1,4 +1,4 @@
-//! Random tests with a fixed seed.
+//! Property tests with a fixed seed.
 
 use floe::sim::simulate;
 use floe_core::RawSample;
@@ -8,7 +8,7 @@ use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use crate::brute::Pull;
 use crate::{feed, scenes};
 
-/// Printed with every failure.
+/// Seed, printed with every failure.
 const SEED: [u8; 32] = *b"floe properties, the same always";
 
 fn runner(cases: u32) -> TestRunner {
@@ -16,10 +16,10 @@ fn runner(cases: u32) -> TestRunner {
     TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &SEED))
 }
 
-/// The test of so many values of a strategy, always the same.
+/// Runs a test on `cases` values of a strategy, which are always the same.
 ///
 /// # Panics
-/// It fails.
+/// The test fails.
 pub fn check<S: Strategy>(
     cases: u32,
     strategy: S,
@@ -29,7 +29,7 @@ pub fn check<S: Strategy>(
     runner(cases).run(&strategy, test).unwrap_or_else(|error| panic!("{error}"));
 }
 
-/// A pulled block of any sort that the field study knows, 60 s with noise.
+/// Pulls of blocks within the range of the field study, 60 s with noise, and a seed.
 pub fn pulls() -> impl Strategy<Value = (Pull, u64)> {
     let block = (300.0..3000.0_f64, 0.3..0.9_f64, 0.05..0.5_f64);
     let cable = (5e3..60e3_f64, 0.004..0.04_f64, -0.1..0.1_f64, 0.0..4.0_f64);
@@ -46,14 +46,14 @@ pub fn pulls() -> impl Strategy<Value = (Pull, u64)> {
 /// The forces of a pull, N.
 ///
 /// # Panics
-/// It cannot be simulated.
+/// The pull cannot be simulated.
 #[must_use]
 pub fn forces_n((pull, seed): &(Pull, u64)) -> Vec<f64> {
     let simulation = simulate(&scenes::scene(pull), *seed).expect("the scene is valid");
     simulation.samples.iter().map(|sample| sample.force_n).collect()
 }
 
-/// The same as samples.
+/// The forces of a pull as samples.
 #[must_use]
 pub fn samples(test: &(Pull, u64)) -> Vec<RawSample> {
     feed::in_a_row(&forces_n(test)).collect()

@@ -1,4 +1,4 @@
-//! Sectors of a logger, made by hand.
+//! Sectors of a logger, built by the tests.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use floe_core::Counts;
@@ -7,13 +7,13 @@ use floe_firmware::record::{Part, Record, SECTOR_LEN, SECTOR_SAMPLES, Sector};
 use floe_firmware::sample::Sample;
 use floe_firmware::settings::Settings;
 
-/// Header of version 1.
+/// Length of the header in version 1, bytes.
 const FIRST_LEN: usize = 84;
-/// Header of version 2.
+/// Length of the header in version 2, bytes.
 const HEADER_LEN: usize = 180;
 const CRC_AT: usize = SECTOR_LEN - 4;
 
-/// A block of 630 N that sticks and slips every two seconds, 5000 codes per N.
+/// Codes of a 630 N block that sticks and slips every two seconds, at 5000 codes per N.
 #[must_use]
 pub fn stick_slip(samples: u32) -> Vec<i32> {
     let force = |i: i32| match i % 32 {
@@ -26,7 +26,7 @@ pub fn stick_slip(samples: u32) -> Vec<i32> {
     (0..samples as i32).map(|i| 5000 * force(i) + (i * 7919) % 8192).collect()
 }
 
-/// Settings that go with it.
+/// Settings for these codes.
 #[must_use]
 pub fn settings(weight_n: f32, name: &str) -> Settings {
     let mut settings =
@@ -36,8 +36,8 @@ pub fn settings(weight_n: f32, name: &str) -> Settings {
     settings
 }
 
-/// A test of that many samples as its records, from a sector number on. The clock
-/// shows `stamp` at index 0 and 1 MHz.
+/// A test of `samples` samples as records with sector numbers from `sector`. The clock shows
+/// `stamp` at index 0, and runs at 1 MHz.
 #[must_use]
 pub fn test(part: Part, settings: &Settings, sector: u32, stamp: u32, samples: u32) -> Vec<Record> {
     let codes = stick_slip(samples);
@@ -77,7 +77,7 @@ pub fn sealed(mut sector: Sector) -> Sector {
     sector
 }
 
-/// The sector as version 1 wrote it.
+/// The sector in the layout of version 1.
 #[must_use]
 pub fn version_1(record: &Record) -> Sector {
     let new = record.encode();
@@ -89,7 +89,7 @@ pub fn version_1(record: &Record) -> Sector {
     sealed(old)
 }
 
-/// The sector as a later version with a header of another length might write it.
+/// The sector with a header of another length, as a later version might write it.
 #[must_use]
 pub fn with_header(record: &Record, length: usize) -> Sector {
     let new = record.encode();

@@ -1,4 +1,4 @@
-//! The blocks that several tests pull, and the scenes in files.
+//! Pulls used by several tests, and the scenes in files.
 
 use std::path::Path;
 
@@ -22,28 +22,28 @@ pub fn heavy() -> Pull {
     Pull { weight_n: 3000.0, mu_s: 0.9, mu: 0.55, ..dff8_13() }
 }
 
-/// The winch at its fastest.
+/// The fastest winch.
 #[must_use]
 pub fn fast() -> Pull {
     Pull { winch_m_per_s: 0.04, ..dff8_13() }
 }
 
-/// The means of the study's tests on snow.
+/// Mean values of the study's tests on snow.
 #[must_use]
 pub fn snow() -> Pull {
     Pull { weight_n: 900.0, mu_s: 1.0, mu: 0.62, ..dff8_13() }
 }
 
-/// The lightest block: 1.8 samples a slip.
+/// The lightest block, with slips of 1.8 samples.
 #[must_use]
 pub fn light() -> Pull {
     Pull { weight_n: 300.0, mu_s: 0.9, mu: 0.56, ..dff8_13() }
 }
 
-/// A scene of `host-sim/scenes`: `hard/flop` is that in `hard/flop.toml`.
+/// A scene of `host-sim/scenes`; `hard/flop` is the file `hard/flop.toml`.
 ///
 /// # Panics
-/// There is none of this name, or it cannot be read.
+/// The scene does not exist, or cannot be read.
 #[must_use]
 pub fn stored(name: &str) -> Scene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
@@ -52,7 +52,7 @@ pub fn stored(name: &str) -> Scene {
     Scene::from_toml(&text).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
-/// What the core is told about a pull.
+/// Configuration of the core for a pull.
 #[must_use]
 pub fn config(pull: &Pull) -> Config {
     Config {
@@ -64,7 +64,7 @@ pub fn config(pull: &Pull) -> Config {
     }
 }
 
-/// The same pull for the project's simulator: white noise is its only trouble.
+/// The pull as a scene of the simulator, with white noise only.
 #[must_use]
 pub fn scene(pull: &Pull) -> Scene {
     let mut scene = Scene {

@@ -1,4 +1,4 @@
-//! How well the core reads a scene: events found, errors of the coefficients.
+//! Evaluates the core on scenes: detection of events, and errors of the coefficients.
 
 use floe::bench::Found;
 use floe::bench::matching::{Detection, matched};
@@ -8,27 +8,27 @@ use floe_core::{Coefficient, Config, Effects, Event, Fault, RawSample, Reading, 
 
 use crate::{both, feed};
 
-/// From this event on a record counts as settled: what the events share is known.
+/// Number of an event from which a record counts as settled: the shared parameters are known.
 pub const SETTLED: usize = 3;
 
-/// One test: its events, and what was found of them.
+/// A test: its true events and the core's results.
 #[derive(Clone, Debug)]
 pub struct Tried {
-    /// The events that are judged: all but the last, whose line the record's end cuts.
+    /// The judged events: all except the last, whose line is cut by the end of the record.
     pub truths: Vec<TrueEvent>,
-    /// What the core found.
+    /// The events that the core found.
     pub found: Vec<Event>,
-    /// What it said belongs to no event.
+    /// Stretches that the core reports as without events.
     pub stretches: Vec<Stretch>,
-    /// The result of the test.
+    /// The report of the test.
     pub report: Report,
-    /// Which is which.
+    /// Pairs of indices into `truths` and `found` that belong together.
     pub pairs: Vec<(usize, usize)>,
-    /// How well they were found.
+    /// Detection of the events.
     pub detection: Detection,
 }
 
-/// Simulates a scene and reads it. Every seed has a sampling phase of its own.
+/// Simulates a scene and evaluates it. The sampling phase depends on the seed.
 ///
 /// # Panics
 /// The scene cannot be simulated.
@@ -37,7 +37,7 @@ pub fn run(scene: &Scene, seed: u64) -> Tried {
     run_with(scene, seed, |_| 0.0)
 }
 
-/// The same with a zero, N, that depends on the time, s.
+/// Simulates a scene with a zero, N, that depends on the time, s, and evaluates it.
 ///
 /// # Panics
 /// The scene cannot be simulated.
@@ -46,7 +46,7 @@ pub fn run_with(scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64) -> Tried 
     run_as(&both::config(scene), scene, seed, zero_n)
 }
 
-/// The same with only some effects looked for.
+/// Simulates a scene and evaluates it with some effects only.
 ///
 /// # Panics
 /// The scene cannot be simulated.
@@ -59,19 +59,19 @@ fn run_as(config: &Config, scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64
     Record::of(scene, seed, zero_n).read(config)
 }
 
-/// A simulated record, to be read as often as there are configurations.
+/// A simulated record, which can be evaluated with several configurations.
 #[derive(Clone, Debug)]
 pub struct Record {
-    /// The events that are judged: all but the last, whose line the record's end cuts.
+    /// The judged events: all except the last, whose line is cut by the end of the record.
     pub truths: Vec<TrueEvent>,
-    /// What the core gets.
+    /// The core's input.
     pub samples: Vec<RawSample>,
-    /// Samples a second.
+    /// Samples per second.
     pub rate_hz: f64,
 }
 
 impl Record {
-    /// Simulates a scene. Every seed has a sampling phase of its own.
+    /// Simulates a scene. The sampling phase depends on the seed.
     ///
     /// # Panics
     /// The scene cannot be simulated.
@@ -92,7 +92,7 @@ impl Record {
         Self { truths, samples: samples.collect(), rate_hz: scene.rate_hz }
     }
 
-    /// What the core makes of it.
+    /// Evaluates the record with the core.
     #[must_use]
     pub fn read(&self, config: &Config) -> Tried {
         let samples = self.samples.iter().copied();
@@ -102,7 +102,7 @@ impl Record {
     }
 }
 
-/// Which true event was found as which.
+/// Matches true events with found ones: pairs of indices, and detection counts.
 pub(crate) fn pair(
     truths: &[TrueEvent],
     found: &[Event],
@@ -124,7 +124,7 @@ pub(crate) fn pair(
 #[derive(Clone, Debug, Default)]
 pub struct Errors {
     relative: Vec<f64>,
-    /// In stated combined standard deviations, and in bounds.
+    /// Errors in stated combined standard deviations, and in bounds.
     stated: Vec<f64>,
     bounds: Vec<f64>,
     /// Stated standard deviations.
@@ -132,7 +132,7 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Takes what was found, if it was, with its truth and its bound.
+    /// Adds a coefficient, if there is one, with its truth and its bound.
     pub fn add(&mut self, got: Option<Coefficient>, truth: f64, bound: Option<f64>) {
         let Some(got) = got else { return };
         let error = f64::from(got.value) - truth;
@@ -148,19 +148,19 @@ impl Errors {
         self.relative.len()
     }
 
-    /// Mean, percent.
+    /// Mean error, percent.
     #[must_use]
     pub fn bias(&self) -> f64 {
         100.0 * self.relative.iter().sum::<f64>() / self.count().max(1) as f64
     }
 
-    /// Root mean square, percent.
+    /// Root-mean-square error, percent.
     #[must_use]
     pub fn rms(&self) -> f64 {
         100.0 * rms(&self.relative)
     }
 
-    /// Size that 95 % do not exceed, percent.
+    /// 95th percentile of the absolute errors, percent.
     #[must_use]
     pub fn p95(&self) -> f64 {
         100.0 * quantile(self.relative.iter().map(|e| e.abs()), 0.95)
@@ -172,27 +172,27 @@ impl Errors {
         100.0 * quantile(self.stds.iter().copied(), 0.5)
     }
 
-    /// Share within the stated 95 % interval.
+    /// Fraction of errors within the stated 95 % interval.
     #[must_use]
     pub fn coverage(&self) -> f64 {
         let inside = self.stated.iter().filter(|z| z.abs() <= 1.96).count();
         inside as f64 / self.count().max(1) as f64
     }
 
-    /// Root mean square over the Cramér-Rao bound of each event by itself.
+    /// Root mean square of the errors relative to the Cramér-Rao bound of each single event.
     #[must_use]
     pub fn over_bound(&self) -> Option<f64> {
         (!self.bounds.is_empty()).then(|| rms(&self.bounds))
     }
 }
 
-/// How far a coefficient is from its truth, in its combined standard deviations.
+/// Error of a coefficient, in its combined standard deviations.
 #[must_use]
 pub fn off(got: &Coefficient, truth: f64) -> f64 {
     (f64::from(got.value) - truth) / f64::from(got.combined_std())
 }
 
-/// Value that a share of the values does not exceed; zero of nothing.
+/// Quantile of values; zero if there are none.
 #[must_use]
 pub fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     let mut values: Vec<f64> = values.collect();
@@ -200,7 +200,7 @@ pub fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     values.get((share * values.len() as f64) as usize).copied().unwrap_or(0.0)
 }
 
-/// Root mean square; zero of nothing.
+/// Root mean square; zero without values.
 #[must_use]
 pub fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
@@ -214,27 +214,27 @@ pub fn average<'a>(events: impl Iterator<Item = &'a TrueEvent>) -> [f64; 2] {
     [sums[1] / count, sums[2] / count]
 }
 
-/// A scene's score over many tests.
+/// Score of a scene over many tests.
 #[derive(Clone, Debug, Default)]
 pub struct Score {
-    /// How well the events were found.
+    /// Detection of the events.
     pub detection: Detection,
-    /// Errors of `mu_s` and of `mu`, first events too.
+    /// Errors of `mu_s` and of `mu`, including first events.
     pub errors: [Errors; 2],
-    /// Those of the events from [`SETTLED`] on.
+    /// Errors of the events from [`SETTLED`] on.
     pub settled: [Errors; 2],
-    /// True events that got both coefficients.
+    /// Number of true events with both coefficients.
     pub read: usize,
 }
 
 impl Score {
-    /// Of records with seeds 1, 2, ... until there are so many events, or so many records.
+    /// Score of records with seeds 1, 2, ... until a number of events or of records is reached.
     #[must_use]
     pub fn of(scene: &Scene, events: usize, records: u64) -> Self {
         Self::looking_for(Effects::default(), scene, events, records)
     }
 
-    /// The same with only some effects looked for.
+    /// Score of a scene with some effects only; records as in [`Score::of`].
     #[must_use]
     pub fn looking_for(effects: Effects, scene: &Scene, events: usize, records: u64) -> Self {
         let mut score = Self::default();
@@ -247,7 +247,7 @@ impl Score {
         score
     }
 
-    /// Takes one more test.
+    /// Adds a test.
     pub fn add(&mut self, tried: &Tried) {
         self.detection.add(tried.detection);
         for &(t, f) in &tried.pairs {
@@ -262,13 +262,13 @@ impl Score {
         }
     }
 
-    /// Share of the true events that got both coefficients.
+    /// Fraction of true events with both coefficients.
     #[must_use]
     pub fn share_read(&self) -> f64 {
         self.read as f64 / self.events().max(1) as f64
     }
 
-    /// True events that were judged.
+    /// Number of judged true events.
     #[must_use]
     pub fn events(&self) -> usize {
         self.detection.hits + self.detection.misses

@@ -1,4 +1,4 @@
-//! The whole logger on a PC, with a script: converter model, sampler, application, card.
+//! The whole logger on a PC with scripted input: converter model, sampler, application, card.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -15,12 +15,12 @@ use floe_firmware::store::{Store, StoreError};
 
 use crate::terminal::Terminal;
 
-/// A card that outlives the board, and may refuse.
+/// A card that is kept when the board is dropped, and can refuse to write.
 #[derive(Clone, Debug, Default)]
 pub struct Card {
-    /// Its sectors, as far as they are written.
+    /// The written sectors.
     pub bytes: Rc<RefCell<Vec<u8>>>,
-    /// Whether it refuses.
+    /// Whether the card refuses to write.
     pub broken: Rc<RefCell<bool>>,
 }
 
@@ -44,7 +44,7 @@ impl Store for Card {
     }
 }
 
-/// Runs the logger: what is typed before the tick of a number.
+/// Runs the logger; each text of the script is typed before the tick of its number.
 pub fn run(cell: LoadCell, trouble: Schedule, card: &Card, script: &[(u64, &str)]) -> Session {
     let clock = Clock::default();
     let chip = Rc::new(RefCell::new(SerialChip::new(cell, trouble, 86_806)));
@@ -78,32 +78,32 @@ pub fn run(cell: LoadCell, trouble: Schedule, card: &Card, script: &[(u64, &str)
     Session { screen, delivered, typed, views }
 }
 
-/// What came of it.
+/// Results of a run.
 #[derive(Debug)]
 pub struct Session {
-    /// All that was said.
+    /// Output of the console.
     pub screen: String,
-    /// Codes that the converter gave.
+    /// Codes that the converter delivered.
     pub delivered: Vec<(u64, i32)>,
-    /// What was typed, and how much had been said before.
+    /// Typed texts, each with the length of the output before it.
     pub typed: Vec<(usize, String)>,
-    /// What the display showed before each tick.
+    /// Values for the display before each tick.
     pub views: Vec<View>,
 }
 
 impl Session {
-    /// Every line that was said.
+    /// All lines of the output.
     pub fn lines(&self) -> impl Iterator<Item = Line<'_>> {
         self.screen.lines().map(|text| Line::parse(text).expect(text))
     }
 
-    /// The events among them.
+    /// All events of the output.
     pub fn events(&self) -> Vec<Event> {
         let event = |line| if let Line::Event(event) = line { Some(event) } else { None };
         self.lines().filter_map(event).collect()
     }
 
-    /// Whether these words are in one of them.
+    /// Whether the output contains these words.
     pub fn says(&self, words: &str) -> bool {
         self.screen.contains(words)
     }

@@ -1,4 +1,4 @@
-//! What people see of a result, on the display and in `floe live`, against what the console said.
+//! Compares the result on the display and in `floe live` with the console.
 
 use embedded_graphics::framebuffer::{Framebuffer, buffer_size};
 use embedded_graphics::geometry::Point;
@@ -14,9 +14,9 @@ use floe_firmware::store::CardState;
 
 const WIDTH: usize = 128;
 const HEIGHT: usize = 64;
-/// Rows of points with both coefficients.
+/// Pixel rows of both coefficients.
 const COEFFICIENTS: std::ops::Range<usize> = 16..35;
-/// A terminal with room for all words, and none for large numbers.
+/// Size of a terminal with room for all text, but not for large digits.
 const TERMINAL: (u16, u16) = (72, 30);
 
 type Screen = Framebuffer<
@@ -28,7 +28,7 @@ type Screen = Framebuffer<
     { buffer_size::<BinaryColor>(WIDTH, HEIGHT) },
 >;
 
-/// What the display looks like: a row of points a line, `#` is lit.
+/// The display's picture, one line per row of pixels; `#` is lit.
 #[must_use]
 pub fn picture(view: &View) -> Vec<String> {
     let mut screen = Screen::new();
@@ -38,7 +38,7 @@ pub fn picture(view: &View) -> Vec<String> {
     (0..HEIGHT as i32).map(row).collect()
 }
 
-/// The last result that was said.
+/// The last report on the console.
 #[must_use]
 pub fn last_report(console: &str) -> Option<Report> {
     let report = |line| match line {
@@ -48,14 +48,14 @@ pub fn last_report(console: &str) -> Option<Report> {
     console.lines().rev().find_map(|text| report(Line::parse(text)))
 }
 
-/// What `floe live` shows of it, blanks one wide.
+/// Text of `floe live` for the console's output, with single spaces.
 #[must_use]
 pub fn live_words(console: &str) -> String {
     let screen = live::shown(console, TERMINAL).join("\n");
     screen.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Mean and ± of both coefficients, as the display writes them: `mu_s 1.2401 +- 0.0035`.
+/// Mean and ± of both coefficients in the display's form: `mu_s 1.2401 +- 0.0035`.
 #[must_use]
 pub fn coefficients(report: &Report) -> [String; 2] {
     let [_, mu_s, mu, ..] = rows(&view(*report)).map(|row| row.to_string());
@@ -76,11 +76,11 @@ fn view(report: Report) -> View {
     }
 }
 
-/// Both coefficients on a photograph of the display and in `floe live` are those that the console
-/// said last, to the last digit shown. Gives them.
+/// Checks that both coefficients on a picture of the display and in `floe live` are those of the
+/// console's last report, to the last digit shown. Returns them.
 ///
 /// # Errors
-/// Which differ.
+/// The coefficients that differ.
 pub fn agree(console: &str, photograph: &[String]) -> Result<[String; 2], String> {
     let report = last_report(console).ok_or("no result was said")?;
     let drawn = picture(&view(report));
@@ -98,7 +98,7 @@ pub fn agree(console: &str, photograph: &[String]) -> Result<[String; 2], String
     Ok(said)
 }
 
-/// What `floe live` makes of a row of the display.
+/// The form of a display's row in `floe live`.
 fn live_row(row: &str, events: u32) -> Option<String> {
     let (name, value) = row.split_once(' ')?;
     let (mean, std) = value.trim().split_once(" +- ")?;

@@ -1,5 +1,4 @@
-//! Many scenes, each judged as a class of trouble is, and what misses an aim: printed, and nothing is
-//! held to it.
+//! Evaluates many scenes like classes of trouble, and prints missed aims without failing.
 
 use floe::sim::{Scene, simulate};
 
@@ -8,24 +7,23 @@ use crate::classes;
 use crate::honesty::{Class, Kind};
 use crate::parallel;
 
-/// A scene, and what is asked of it.
+/// A scene and its expected result.
 #[derive(Debug)]
 pub struct Case {
-    /// The class that it is like, and what is otherwise.
+    /// Name of the class with similar trouble.
     pub row: String,
-    /// See there.
+    /// Difference from that class.
     pub how: String,
-    /// What its class asks for.
+    /// Expected result for the class.
     pub kind: Kind,
     /// The scene.
     pub scene: Scene,
 }
 
-/// What the command line asks for: records of each scene, 8 unless it says otherwise, and a part of
-/// the names of the classes to be run.
+/// Command line: records per scene (default 8), and a part of the names of the classes to run.
 ///
 /// # Panics
-/// The first argument is no number.
+/// The first argument is not a number.
 #[must_use]
 pub fn arguments() -> (u64, String) {
     let mut arguments = std::env::args().skip(1);
@@ -33,7 +31,7 @@ pub fn arguments() -> (u64, String) {
     (records, arguments.next().unwrap_or_default())
 }
 
-/// Prints what misses an aim, after so many records of each scene (of the shortest 100).
+/// Prints the missed aims after `records` records per scene (100 for the shortest).
 pub fn print_misses(cases: &[Case], records: u64) {
     let missed = parallel::each(cases, |case| misses(case, records));
     for (Case { how, .. }, missed) in cases.iter().zip(&missed) {

@@ -1,4 +1,4 @@
-//! A console without a wire.
+//! A console in memory.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write};
 
-/// What is typed and what is said.
+/// Input and output of the console.
 #[derive(Clone, Debug, Default)]
 pub struct Terminal {
     keys: Rc<RefCell<VecDeque<u8>>>,
@@ -15,12 +15,12 @@ pub struct Terminal {
 }
 
 impl Terminal {
-    /// Types; the board reads it when it likes.
+    /// Adds input, which the board reads later.
     pub fn type_in(&self, keys: &[u8]) {
         self.keys.borrow_mut().extend(keys);
     }
 
-    /// What was said since this was last asked.
+    /// Output since the previous call.
     pub fn said(&self) -> String {
         let said = std::mem::take(&mut *self.screen.borrow_mut());
         String::from_utf8_lossy(&said).into_owned()

@@ -1,7 +1,7 @@
-//! The core in double precision, made from its own source by `build.rs`.
+//! The core in double precision, generated from its source by `build.rs`.
 //!
-//! The same algorithm with the same constants: whatever differs from [`floe_core`]
-//! on the same samples is rounding.
+//! Algorithm and constants are those of [`floe_core`], so every difference on equal samples is
+//! rounding.
 
 #![allow(clippy::all, reason = "the core's own text, checked there")]
 

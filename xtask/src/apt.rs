@@ -9,14 +9,14 @@ use crate::{Result, shell};
 
 const BACKPORTS: &str = "/etc/apt/sources.list.d/floe-backports.list";
 
-/// Installs packages; the lists are refreshed once, when first needed.
+/// Installs packages; the package lists are refreshed once, on first use.
 pub fn install(packages: &[&str]) -> Result<()> {
     update_once();
     run(apt().args(["install", "-y", "--no-install-recommends"]).args(packages))
 }
 
-/// Installs a package in a major version or newer: from the release if that has
-/// it, else from its backports, which are added to apt's sources when absent.
+/// Installs a package in version `major` or newer: from the release if it has one, else from the
+/// release's backports, which are added to apt's sources if absent.
 pub fn install_newest(package: &str, major: u32) -> Result<()> {
     update_once();
     if candidate(package).is_some_and(|found| found >= major) {
@@ -33,11 +33,11 @@ pub fn install_newest(package: &str, major: u32) -> Result<()> {
     let line = format!("deb http://deb.debian.org/debian {suite} main");
     let added = as_root(&format!("echo '{line}' > {BACKPORTS}"));
     let done = added.and_then(|()| run(apt().arg("update"))).and_then(|()| from_there());
-    // A source that is of no use would be in the way of whatever apt does next.
+    // After a failure the added source is removed, because it would disturb later uses of apt.
     done.inspect_err(|_| drop(as_root(&format!("rm -f {BACKPORTS}"))))
 }
 
-/// Major version that a plain install would bring.
+/// Major version that a plain install would give.
 fn candidate(package: &str) -> Option<u32> {
     let policy = output(Command::new("apt-cache").args(["policy", package]))?;
     let line = policy.lines().find(|l| l.trim_start().starts_with("Candidate:"))?;
@@ -46,19 +46,19 @@ fn candidate(package: &str) -> Option<u32> {
     version.split('.').next()?.parse().ok()
 }
 
-/// Whether this machine has apt at all.
+/// Whether this machine has apt.
 pub fn present() -> bool {
     Path::new("/usr/bin/apt-get").exists()
 }
 
 fn update_once() {
     static ONCE: Once = Once::new();
-    // A mirror that is partly out of reach must not stop the others.
+    // An update that fails for one mirror must not stop the job.
     ONCE.call_once(|| drop(run(apt().arg("update"))));
 }
 
-/// Which release of Debian this is, from the text of `/etc/os-release`: what is built upon it has
-/// names of its own, or Debian's name and other packages.
+/// Codename of this machine's Debian release, from the text of `/etc/os-release`. Derivatives are
+/// rejected: they have codenames of their own, or Debian's codenames with other packages.
 fn debian(release: &str) -> Result<&str> {
     let value = |key| {
         let mut values = release.lines().filter_map(|line| line.strip_prefix(key));
@@ -82,7 +82,7 @@ fn apt() -> Command {
     command
 }
 
-/// As root directly, else through `sudo -n` (which never asks).
+/// A command that runs as root directly, else through `sudo -n` (which never asks for a password).
 fn privileged(program: &str) -> Command {
     let root = shell::output(Command::new("id").arg("-u")).is_some_and(|id| id.trim() == "0");
     if root {

@@ -1,4 +1,4 @@
-//! A compiler for the board, `thumbv7em-none-eabihf`, wherever there is one.
+//! Finds or installs a compiler for the board's target `thumbv7em-none-eabihf`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,7 +7,7 @@ use std::time::Duration;
 use crate::shell::{output, root, run, run_within, say, target};
 use crate::{Result, apt};
 
-/// The board's architecture.
+/// Target triple of the board.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// Where the compiler comes from.
@@ -22,10 +22,10 @@ pub enum Route {
 }
 
 impl Route {
-    /// The first route that works, or the one that was forced.
+    /// The first route that works, or the forced one.
     ///
     /// # Errors
-    /// No route works; says what each said.
+    /// No route works; the message contains the error of each.
     pub fn find(forced: Option<Self>) -> Result<Self> {
         let candidates = match forced {
             None => vec![Self::Installed, Self::Rustup, Self::Debian],
@@ -44,7 +44,7 @@ impl Route {
         Err(format!("no compiler for {TARGET}: {}", reasons.join("; ")))
     }
 
-    /// A cargo that builds for the target: `cargo(["build", "-p", ...])`.
+    /// A cargo command for the target, with a subcommand such as `build`.
     pub fn cargo(self, subcommand: &str) -> Command {
         let mut command = match self {
             Self::Installed | Self::Rustup => crate::shell::cargo(),
@@ -58,18 +58,18 @@ impl Route {
         command
     }
 
-    /// Builds a program of the firmware and gives its file.
+    /// Builds a program of the firmware and returns its file.
     ///
     /// # Errors
-    /// It does not build.
+    /// The build fails.
     pub fn build_firmware(self, program: &str, features: &str) -> Result<PathBuf> {
         self.build_with(program, features, &[])
     }
 
-    /// The same with what else the compiler is asked for.
+    /// Builds a program of the firmware with extra arguments to cargo, and returns its file.
     ///
     /// # Errors
-    /// It does not compile.
+    /// The build fails.
     pub fn build_with(self, program: &str, features: &str, more: &[&str]) -> Result<PathBuf> {
         let mut command = self.cargo("build");
         command.args(more);
@@ -81,7 +81,7 @@ impl Route {
         Ok(target().join("arm").join(TARGET).join("firmware").join(program))
     }
 
-    /// Small code, and no paths of this machine in it.
+    /// Compiler flags for small code, and for code without paths of this machine.
     fn firmware_flags(self) -> Vec<String> {
         let cargo_home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
         let home = std::env::var_os("HOME").map(|home| Path::new(&home).join(".cargo"));
@@ -89,7 +89,7 @@ impl Route {
         let registries = std::fs::read_dir(&sources).into_iter().flatten().flatten();
         let mut hidden: Vec<PathBuf> = registries.map(|entry| entry.path()).collect();
         hidden.push(root());
-        // The last that fits counts.
+        // The last matching remapping applies.
         hidden.push(target().join("arm").join(TARGET).join("firmware/build"));
         let remap = |path: &PathBuf| format!("--remap-path-prefix={}/=", path.display());
         let mut flags: Vec<String> = hidden.iter().map(remap).collect();
@@ -151,40 +151,40 @@ fn prepare_debian() -> Result<()> {
     apt::install(&["rustc-web", "cargo-web", "rust-web-src", "lld"])
 }
 
-/// What the code generator is asked for, so that the image stays small: behind the colon the bytes of
-/// the image that it saves with 1.95.0.
+/// Options of LLVM that make the image small. Each number is the bytes of the image saved, with
+/// Rust 1.95.0.
 const SMALL: [&str; 12] = [
-    // Small functions are called, and of loops only those over the six unknowns are written out.
+    // Calls small functions instead of inlining them; unrolls only loops over the six unknowns.
     "--inline-threshold=6",
     "--unroll-full-max-count=6",
-    // Constants lie next to the code that reads them: 512.
+    // Places constants next to the code that reads them: 512.
     "--arm-promote-constant",
     "--arm-promote-constant-max-size=256",
     "--arm-promote-constant-max-total=4096",
-    // No code is there twice to save a jump or a load now and then: 220, 200 and 190. Together with
-    // the next one a mean step takes half a percent more.
+    // Does not duplicate code to save an occasional jump or load: 220, 200 and 190. Together with
+    // the next group this makes a mean step half a percent slower.
     "--unswitch-threshold=0",
     "--enable-pre=false",
     "--tail-dup-placement=false",
-    // Two instructions that end alike are there once, and a sum in memory stays there: 160 and 150.
+    // Merges even two equal instructions at the ends of blocks, and keeps sums in memory: 160 and
+    // 150.
     "--tail-merge-size=2",
     "--disable-licm-promotion",
-    // Two conditions are two jumps, and what only the second one needs is not computed for both: 260.
+    // Does not merge two conditions by computing both in advance: 260.
     "--bonus-inst-threshold=0",
-    // Registers are spilt where that takes fewest bytes: 150.
+    // Spills registers where it takes the fewest bytes: 150.
     "--split-spill-mode=size",
-    // Not taken: what occurs again and again as a function (`--enable-machine-outliner=always`) costs
-    // 5 % of the time, loops that are not rotated (`--rotation-max-header-size=0`, 1150 bytes) 26 %.
+    // Not used: outlining of repeated code (`--enable-machine-outliner=always`) costs 5 % of the
+    // time, unrotated loops (`--rotation-max-header-size=0`, 1150 bytes) 26 %.
 ];
 
-/// Blocks in the order that needs fewest jumps, 300 bytes; the code generator of Rust 1.95 does not know
-/// it yet.
+/// Orders blocks for the fewest jumps, 300 bytes; the LLVM of Rust 1.95 does not support it yet.
 const LATER: &str = "--apply-ext-tsp-for-size";
 
-/// For build scripts cargo ignores these when a target is given.
+/// Linker flags, which cargo does not apply to build scripts when a target is given.
 const DEBIAN_FLAGS: [&str; 2] = ["-Clinker=ld.lld", "-Clinker-flavor=ld.lld"];
 
-/// The link is Debian's lld, since there is no `rust-lld` in its packages.
+/// Cargo of Debian with Debian's lld, because its packages have no `rust-lld`.
 fn debian_cargo() -> Command {
     let mut command = Command::new("/usr/bin/cargo");
     command.current_dir(root());

@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: host figures and the board's in one table.
+//! `cargo xtask bench`: host and board figures in one table.
 
 use std::process::Command;
 
@@ -7,29 +7,29 @@ use crate::arm::Route;
 use crate::shell::{self, cargo, output};
 use crate::target::Tests;
 
-/// Cycles per instruction of a Cortex-M4F with flash wait states at 16 MHz and
-/// below: none. Loads take two, divisions and roots up to 14; 1.5 is on the safe
-/// side for this code and has to be measured again on the board.
+/// Cycles per instruction of a Cortex-M4F without flash wait states (16 MHz and below). Loads take
+/// two cycles, divisions and roots up to 14; 1.5 is a cautious estimate for this code, not yet
+/// measured on the board.
 const CYCLES_PER_INSTRUCTION: f64 = 1.5;
-/// Ticks per second.
+/// Sampling periods per second.
 const RATE_HZ: f64 = 16.0;
-/// Clocks of the board to tabulate.
+/// Clock frequencies of the board in the table, MHz.
 const CLOCKS_MHZ: [f64; 3] = [4.0, 16.0, 80.0];
-/// A tick on the I²C bus at 400 kHz, 314 bits (as `tests/adc_chip.rs` measures): a
-/// conversion read, four registers read, a conversion started.
+/// Duration of the bus traffic per sampling period, s: one conversion and four registers read, one
+/// conversion started; 314 bits (measured by `tests/adc_chip.rs`) on the I²C bus at 400 kHz.
 const BUS_S: f64 = 314.0 / 400_000.0;
 
-/// STM32L476 data sheet, typical at 25 °C, range 1, all from flash: run and sleep
-/// current in mA per MHz, and the peripherals that stay on, mA.
+/// Currents of the STM32L476 (data sheet, typical at 25 °C, range 1, code in flash): run and sleep,
+/// mA per MHz, and peripherals that stay on, mA.
 const RUN_MA_PER_MHZ: f64 = 0.10;
 const SLEEP_MA_PER_MHZ: f64 = 0.035;
 const PERIPHERALS_MA: f64 = 0.10;
-/// ADS122C04 in turbo mode while it converts (11.1 ms of 62.5), and a 350 ohm
-/// bridge at 3.3 V that is always on.
+/// Currents, mA, of the ADS122C04 in turbo mode while it converts (11.1 ms of 62.5), and of a 350
+/// ohm bridge at 3.3 V that is always on.
 const CONVERTER_MA: f64 = 0.6 * 11.1 / 62.5;
 const BRIDGE_MA: f64 = 3.3 / 0.350;
 
-/// Prints the host's table if the tool knows it, then the board's.
+/// Prints the table of the host if its tool is available, then that of the board.
 ///
 /// # Errors
 /// The firmware does not build or run.
@@ -45,7 +45,7 @@ pub fn run(forced: Option<Route>) -> Result<()> {
     }
     let of = |name: &str| counts.iter().find(|(n, ..)| n == name);
     let mean = |name: &str| of(name).map_or(0.0, |&(_, mean, _)| mean as f64);
-    // Every eighth tick writes a sector; an event comes every 28th or so.
+    // A sector is written in every eighth period; an event comes about every 28th.
     let tick = mean("sampler") + mean("step") + mean("record") / 8.0 + mean("event-line") / 28.0;
     let live = tick + mean("sample-line");
     let worst = of("step").map_or(0.0, |&(.., worst)| worst as f64);

@@ -1,4 +1,4 @@
-//! The reports in a real browser: headless Chromium.
+//! Tests of the reports in a real browser: headless Chromium.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,8 +8,8 @@ use serde::Deserialize;
 use crate::shell::{self, output, root, run, say};
 use crate::{Result, apt};
 
-/// A good log, a drifting one, one of a constant force, one of two events, one of a day: scene
-/// and length, s.
+/// Name, scene and length (s) of the logs: a good one, one with drift, one with a constant force,
+/// one with two events, one of a day.
 const LOGS: [(&str, &str, Option<&str>); 5] = [
     ("good", "fig6-7.toml", None),
     ("drifting", "hard/drift.toml", None),
@@ -22,56 +22,56 @@ const CONSTANT: &str = "constant";
 const WIDTHS: [u32; 2] = [400, 1400];
 /// A page of US letter within its margins of 12 mm, px.
 const PAPER: [u32; 2] = [725, 965];
-/// Pages of a report without its table, at most, and rows of the table on a page, at least.
+/// Largest number of pages of a report without its table, and fewest table rows per page.
 const PAGES: usize = 4;
 const ROWS: usize = 60;
-/// Looks at the page as a person does, and writes down what it saw.
+/// Script that inspects a page and records its findings.
 const PROBE: &str = include_str!("browser/probe.js");
 
-/// What the probe saw.
+/// Findings of the probe.
 #[derive(Debug, Deserialize)]
 struct Seen {
     /// Width of the page, px.
     window: u32,
     /// Whether the reader prefers dark pages.
     dark: bool,
-    /// Errors and refusals.
+    /// Errors and blocked requests.
     errors: Vec<String>,
-    /// Rows of events, those that opened a closer look, and what was wrong with a look.
+    /// Table rows of events, rows that opened a zoomed view, and errors of those views.
     rows: usize,
     opened: usize,
     wrong: Vec<String>,
-    /// What reaches over the edge of the window.
+    /// Elements that extend beyond the edge of the window.
     torn: Vec<String>,
-    /// Text that its background hides.
+    /// Texts with too little contrast to their background.
     faint: Vec<String>,
-    /// Figures, those that say nothing of a data point under the pointer, and the height of the
-    /// highest that paper keeps in one piece, px; none if it may split one.
+    /// Number of figures, figures without a tooltip on a data point, and height of the tallest
+    /// figure that paper keeps in one piece, px; `None` if paper may split figures.
     figures: usize,
     mute: Vec<String>,
     highest: Option<f64>,
 }
 
-/// Chromium without a window; installed when it is missing.
+/// Headless Chromium, installed if it is missing.
 ///
 /// # Errors
-/// It cannot be installed.
+/// The installation fails.
 pub fn chromium() -> Result<Command> {
     if output(Command::new("chromium").arg("--version")).is_none() {
         apt::install(&["chromium", "fonts-dejavu"])?;
     }
     let mut chromium = Command::new("chromium");
-    // A container's root has no sandbox of its own; the pages are ours.
+    // Root in a container has no sandbox of its own, and the pages are trusted.
     chromium.args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]);
     Ok(chromium)
 }
 
-/// Every kind of report, narrow, wide and on paper, light and dark: no error on the console,
-/// nothing over the edge, no faint text, every figure tells its data points, and a click on an
-/// event shows its fit and its residuals.
+/// Checks every kind of report, narrow, wide and on paper, light and dark: no error on the console,
+/// nothing beyond the edge, no faint text, a tooltip on every data point of a figure, and fit and
+/// residuals of an event after a click on it.
 ///
 /// # Errors
-/// The first report that is not as it should be.
+/// The first report that fails.
 pub fn check() -> Result<()> {
     let floe = shell::floe()?;
     let folder = shell::target().join("browser");
@@ -109,8 +109,8 @@ fn report(
     Ok(page)
 }
 
-/// A page in frames of this width, light and dark: a window of its own is 500 px wide at least,
-/// and a page prefers what its frame does.
+/// Chromium with a page in two frames of a width, light and dark. Frames are used because a window
+/// is at least 500 px wide, and because a page takes the colour scheme of its frame.
 fn framed(page: &Path, width: u32) -> Result<Command> {
     let frame = page.with_extension("frame.html");
     let source = page.file_name().unwrap_or_default().display();
@@ -130,7 +130,7 @@ fn framed(page: &Path, width: u32) -> Result<Command> {
     Ok(chromium)
 }
 
-/// The page as it is, with its own policy.
+/// Checks that the unchanged page, with its content security policy, prints no error.
 fn console_is_silent(page: &Path, width: u32) -> Result<()> {
     let shown = framed(page, width)?.arg("--enable-logging=stderr").output();
     let said = String::from_utf8_lossy(&shown.map_err(|e| e.to_string())?.stderr).into_owned();
@@ -140,8 +140,8 @@ fn console_is_silent(page: &Path, width: u32) -> Result<()> {
     }
 }
 
-/// A copy of the page with the probe in it, which its policy would not let run, on the screen
-/// or as its style has it on paper.
+/// Writes a copy of the page with the probe and without the content security policy, which would
+/// block the probe; in the style for the screen or for paper.
 fn probed(page: &Path, on_paper: bool) -> Result<PathBuf> {
     let text = std::fs::read_to_string(page).map_err(|e| format!("{}: {e}", page.display()))?;
     let (before, policy) = text.split_once("<meta http-equiv=").ok_or("a page without a policy")?;
@@ -155,7 +155,7 @@ fn probed(page: &Path, on_paper: bool) -> Result<PathBuf> {
     Ok(probed)
 }
 
-/// What the probe saw, light and dark, has to be right; how many events there are.
+/// Checks the findings of the probe, light and dark; returns the number of events.
 fn look(name: &str, probed: &Path, width: u32) -> Result<usize> {
     let dom = output(&mut framed(probed, width)?).ok_or("chromium: failed")?;
     let seen = dom.split_once("data-seen=\"").and_then(|(_, rest)| rest.split_once('"'));
@@ -183,7 +183,7 @@ fn is_fine(name: &str, width: u32, seen: &Seen) -> bool {
         && (width != PAPER[0] || seen.highest.is_some_and(|px| px < PAPER[1].into()))
 }
 
-/// Pages of the report as a PDF.
+/// Number of pages of the report as a PDF.
 fn printed(page: &Path) -> Result<usize> {
     let paper = page.with_extension("pdf");
     let mut chromium = chromium()?;

@@ -1,5 +1,5 @@
-//! `cargo xtask budgets`: what the core alone costs on the board, counted in the emulator,
-//! held against `xtask/budgets.toml`.
+//! `cargo xtask budgets`: cost of the core on the board, counted in the emulator and compared with
+//! `xtask/budgets.toml`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,23 +14,23 @@ use crate::arm::Route;
 use crate::qemu;
 use crate::shell::{self, output, root};
 
-/// An instruction takes 2 to this power in ns of the emulator's clock.
+/// Binary logarithm of the duration of an instruction, ns of the emulator's clock.
 const COUNTING: u32 = 8;
-/// A rise by more than this part fails.
+/// Largest accepted relative increase.
 const RISE: f64 = 0.02;
-/// The scene whose mean has a limit of its own.
+/// The scene whose mean has a limit.
 const REFERENCE: &str = "dff8-13";
 
-/// What `xtask/budgets.toml` holds.
+/// Contents of `xtask/budgets.toml`.
 #[derive(Debug, Default, Deserialize, Serialize)]
 struct Budgets {
     limits: Limits,
-    /// By compiler, then by record.
+    /// Costs by compiler, then by record.
     #[serde(default)]
     measured: BTreeMap<String, BTreeMap<String, Cost>>,
 }
 
-/// Absolute limits, instructions and bytes.
+/// Absolute limits, in instructions and bytes.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 struct Limits {
     quiet: u64,
@@ -39,7 +39,7 @@ struct Limits {
     state_bytes: u64,
 }
 
-/// Instructions of one record's steps.
+/// Instructions per step over one record.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub(crate) struct Cost {
     pub(crate) quiet: u64,
@@ -47,13 +47,13 @@ pub(crate) struct Cost {
     pub(crate) worst: u64,
 }
 
-/// A record as the board's program reads it.
+/// A record in the form that the board's program reads.
 pub(crate) struct Record {
     name: String,
     bytes: Vec<u8>,
 }
 
-/// What the board's program said of one record.
+/// Counts of the board's program for one record.
 pub(crate) struct Counted {
     name: String,
     samples: u64,
@@ -63,10 +63,10 @@ pub(crate) struct Counted {
     pub(crate) state_bytes: u64,
 }
 
-/// Prints the table; `write` makes it the budget of this compiler.
+/// Prints the table; `write` stores it as the budget of this compiler.
 ///
 /// # Errors
-/// A limit is exceeded, or something rose by more than 2 %.
+/// A limit is exceeded, or a cost rose by more than 2 %.
 pub fn run(forced: Option<Route>, write: bool) -> Result<()> {
     let route = Route::find(forced)?;
     let program = route.build_firmware("mps2-budget", "mps2-an386")?;
@@ -98,7 +98,7 @@ pub fn run(forced: Option<Route>, write: bool) -> Result<()> {
     if over.is_empty() { Ok(()) } else { Err(over.join("\n       ")) }
 }
 
-/// DFF8-13 and the scenes of some folders, in order.
+/// Scene DFF8-13 and all scenes of some folders, in order.
 pub(crate) fn scenes(folders: &[&str]) -> Result<Vec<PathBuf>> {
     let scenes = root().join("host-sim/scenes");
     let mut files = vec![scenes.join("dff8-13.toml")];
@@ -111,13 +111,13 @@ pub(crate) fn scenes(folders: &[&str]) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Every linear and hard scene, those outside the model, and what no block does.
+/// Records of every linear and hard scene, of those outside the model, and adversarial ones.
 fn records() -> Result<Vec<Record>> {
     let files = scenes(&["linear", "hard", "honesty"])?;
     let mut records: Vec<Record> = Vec::new();
     for file in &files {
         let mut record = scene_record(file)?;
-        // A budget is kept by its name: scenes of two folders that have the same are told apart.
+        // The budget's key is the name; a second scene of a name gets its folder added.
         if records.iter().any(|other| other.name == record.name) {
             let scenes = root().join("host-sim/scenes");
             let place = file.strip_prefix(scenes).unwrap_or(file).with_extension("");
@@ -142,7 +142,7 @@ pub(crate) fn scene_record(file: &Path) -> Result<Record> {
 }
 
 impl Record {
-    /// Rate, weight, slope, range or 0; then forces by their index, N.
+    /// A record from rate, weight, slope, range or 0, and forces by index, N.
     pub(crate) fn new(
         name: String,
         head: [f32; 4],
@@ -158,13 +158,13 @@ impl Record {
     }
 }
 
-/// Records that no block makes, to look for steps that take long.
+/// Records that no block produces, which search for steps that take long.
 fn adversarial() -> Vec<Record> {
     let record = |name: &str, force_n: &dyn Fn(u32) -> f32| {
         let forces_n: Vec<f32> = (0..1920).map(force_n).collect();
         Record { name: name.into(), bytes: bytes([16.0, 630.0, 0.0, 0.0], &forces_n) }
     };
-    // A generator of Knuth's: its upper bits are as good as random.
+    // Linear congruential generator by Knuth; its upper bits are random enough.
     let random = |i: u32| (i.wrapping_mul(1_664_525).wrapping_add(1_013_904_223) >> 16) as f32;
     vec![
         record("saw of 3", &|i| 300.0 + 100.0 * (i % 3) as f32),
@@ -214,7 +214,7 @@ fn print(counted: &[Counted]) {
     println!("state of the pipeline: {state} bytes");
 }
 
-/// What is over an absolute limit.
+/// Costs above an absolute limit.
 fn beyond(limits: &Limits, counted: &[Counted]) -> Vec<String> {
     let mut over = Vec::new();
     let mut check = |what: String, value: u64, limit: u64| {
@@ -233,7 +233,7 @@ fn beyond(limits: &Limits, counted: &[Counted]) -> Vec<String> {
     over
 }
 
-/// What costs more than it did.
+/// Costs that have risen.
 fn risen(before: &BTreeMap<String, Cost>, counted: &[Counted]) -> Vec<String> {
     let mut over = Vec::new();
     for Counted { name, cost, .. } in counted {
@@ -252,7 +252,7 @@ fn risen(before: &BTreeMap<String, Cost>, counted: &[Counted]) -> Vec<String> {
     over
 }
 
-/// The compiler that made the program.
+/// Version of the compiler that built the program.
 fn compiler(route: Route) -> String {
     let rustc = if route == Route::Debian { "/usr/bin/rustc".into() } else { rustc() };
     let said = output(Command::new(rustc).arg("--version")).unwrap_or_default();

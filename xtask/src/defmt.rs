@@ -1,5 +1,5 @@
-//! `cargo xtask defmt`: the firmware's log of an emulated test, decoded: from the board that
-//! only exists in QEMU through semihosting, from the user's out of its RTT buffer.
+//! `cargo xtask defmt`: decodes the firmware's log of an emulated test, from the MPS2 board through
+//! semihosting, from the NUCLEO out of its RTT buffer.
 
 use std::path::Path;
 use std::process::Stdio;
@@ -12,11 +12,11 @@ use crate::emulate::outcome;
 use crate::emulate::record::Record;
 use crate::shell::{cargo, target};
 
-/// Runs a test with a converter that falls silent once on both boards, decodes every frame
-/// and looks for what has to be there.
+/// Runs a test with a converter that once fails to answer, on both boards, decodes every frame and
+/// checks for the expected ones.
 ///
 /// # Errors
-/// A frame that cannot be decoded, or one that is missing.
+/// A frame cannot be decoded or is missing.
 pub fn run(forced: Option<Route>) -> Result<()> {
     let mut record = Record::stick_slip();
     if let Some(code) = record.codes.get_mut(500) {
@@ -34,7 +34,7 @@ pub fn run(forced: Option<Route>) -> Result<()> {
     check("nucleo-l476", &decode(nucleo.firmware(), &run.logged)?, &own)
 }
 
-/// An image that logs computes what this PC does, too.
+/// Checks that an image with a log computes the same as this PC.
 fn same(board: &str, record: &Record, run: &Run) -> Result<()> {
     let outcome = outcome::decode(&run.shown)?;
     let same = outcome.compare(record, &run.delivered).map_err(|e| format!("{board}: {e}"))?;
@@ -42,8 +42,8 @@ fn same(board: &str, record: &Record, run: &Run) -> Result<()> {
     outcome.check_ticks()
 }
 
-/// Cause of the start, start and end of the test, each event, the silence, and what only
-/// this board says.
+/// Checks for the cause of the start, start and end of the test, each event, the converter's fault,
+/// and the board's own frames.
 fn check(board: &str, frames: &[String], own: &[&str]) -> Result<()> {
     let count = |words: &str| frames.iter().filter(|frame| frame.contains(words)).count();
     for frame in frames.iter().take(3).chain(frames.last()) {
@@ -60,7 +60,8 @@ fn check(board: &str, frames: &[String], own: &[&str]) -> Result<()> {
     }
 }
 
-/// The frames, by a program of its own: what it is built of would change what all else is.
+/// Decodes the frames with a separate program, whose dependencies would change features of this
+/// build.
 fn decode(firmware: &Path, logged: &[u8]) -> Result<Vec<String>> {
     let file = target().join("defmt.bin");
     std::fs::write(&file, logged).map_err(|e| format!("{}: {e}", file.display()))?;

@@ -1,4 +1,4 @@
-//! `cargo xtask flash`: the firmware onto the real board.
+//! `cargo xtask flash`: programs the firmware into the real board.
 
 use std::process::Command;
 
@@ -9,8 +9,8 @@ use crate::shell::{self, output, say};
 const CHIP: &str = "STM32L476RG";
 const INSTALL: &str = "https://probe.rs/docs/getting-started/installation";
 
-/// Looks for tool and board before it builds anything. With its log the firmware is
-/// another image, for the bench: the field's has no log in it.
+/// Checks for tool and board before building. With `log` it builds another image for use at the
+/// desk; the image for the field has no log.
 ///
 /// # Errors
 /// The tool, the board or the firmware is missing.

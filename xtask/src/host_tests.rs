@@ -1,5 +1,5 @@
-//! The tests on this PC: built by cargo at once, then their programs on all processors. Cargo
-//! itself runs one after another, and most of them have one long test.
+//! The tests on this PC: cargo builds all at once, then their programs run on all processors. Cargo
+//! itself would run them one after another, and most of them have one long test.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -10,13 +10,13 @@ use floe_tests::parallel;
 use crate::Result;
 use crate::shell::{self, cargo, say};
 
-/// A program of tests, and the folder that it is run in.
+/// A test program, and its working directory.
 struct Tests {
     program: PathBuf,
     package: PathBuf,
 }
 
-/// What running one gave.
+/// Result of a test program.
 struct Outcome {
     name: String,
     passed: bool,
@@ -24,12 +24,12 @@ struct Outcome {
     said: String,
 }
 
-/// Every test of the workspace, then the examples in its documentation. Those of the firmware's
-/// card and display are among them: `floe-tests` asks for these features, and in one build of
-/// the workspace a package has every feature that anybody asks for.
+/// Runs every test of the workspace, then the examples in its documentation. Tests of the
+/// firmware's card and display are included: `floe-tests` enables these features, and a build of
+/// the workspace enables all features that any package requests.
 ///
 /// # Errors
-/// They do not build, or one fails: all the others are run first.
+/// The build or a test fails; all others are run first.
 pub fn run() -> Result<()> {
     let outcomes = parallel::each(&built()?, Tests::outcome);
     for Outcome { name, passed, seconds, said } in &outcomes {
@@ -44,7 +44,7 @@ pub fn run() -> Result<()> {
     if failed.is_empty() { Ok(()) } else { Err(format!("tests failed: {}", failed.join(", "))) }
 }
 
-/// The programs, as cargo lists them.
+/// The test programs, from cargo's messages.
 fn built() -> Result<Vec<Tests>> {
     let mut build = cargo();
     build.args(["test", "--workspace", "--no-run", "--message-format=json-render-diagnostics"]);
@@ -59,7 +59,7 @@ fn built() -> Result<Vec<Tests>> {
 }
 
 impl Tests {
-    /// Of a message of cargo's that tells of such a program.
+    /// The test program that a message of cargo describes, if it does.
     fn of(message: &str) -> Option<Self> {
         let message: serde_json::Value = serde_json::from_str(message).ok()?;
         let program = message.get("executable")?.as_str()?;

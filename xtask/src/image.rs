@@ -1,4 +1,4 @@
-//! `cargo xtask image`: the files that are copied onto the board's USB drive.
+//! `cargo xtask image`: the files to copy onto the board's USB drive.
 
 use std::fs;
 use std::path::Path;
@@ -9,13 +9,13 @@ use crate::Result;
 use crate::arm::Route;
 use crate::shell::target;
 
-/// Where the flash begins.
+/// Start address of the flash.
 const FLASH: u64 = 0x0800_0000;
-/// Bytes of a line of the .hex file.
+/// Data bytes per line of the .hex file.
 const LINE: usize = 16;
 
-/// Writes `target/floe-nucleo.bin` and `.hex`, byte for byte the program that the
-/// tests run, and says what is in them.
+/// Writes `target/floe-nucleo.bin` and `.hex`, byte for byte the program that the tests run, and
+/// prints its contents.
 ///
 /// # Errors
 /// The firmware does not build, or a file cannot be written.
@@ -36,10 +36,10 @@ pub fn run(forced: Option<Route>) -> Result<()> {
     Ok(())
 }
 
-/// What an image puts into the flash, from its beginning, gaps as erased.
+/// Contents of the flash for an image, from the start of the flash, with gaps as erased bytes.
 ///
 /// # Errors
-/// It is no image, or has something elsewhere.
+/// The file is not an image, or has data elsewhere.
 pub fn flash(firmware: &Path) -> Result<Vec<u8>> {
     let elf = fs::read(firmware).map_err(|e| format!("{}: {e}", firmware.display()))?;
     let wrong = |what: String| format!("{}: {what}", firmware.display());
@@ -48,7 +48,7 @@ pub fn flash(firmware: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     for segment in file.segments() {
         let data = segment.data().map_err(|e| wrong(e.to_string()))?;
-        // Initial values of variables are kept where they are loaded from.
+        // Initial values of variables are stored at their load address.
         let place = u64::from(segment.elf_program_header().p_paddr.get(file.endian()));
         if data.is_empty() {
             continue;
@@ -61,7 +61,7 @@ pub fn flash(firmware: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Intel HEX: lines of 16 bytes, an extended address every 64 KiB.
+/// Text in Intel HEX: lines of 16 bytes, an extended address every 64 KiB.
 fn hex(bytes: &[u8]) -> Vec<u8> {
     let mut text = String::new();
     for (place, chunk) in (FLASH..).step_by(LINE).zip(bytes.chunks(LINE)) {
@@ -89,7 +89,7 @@ fn record(place: u16, kind: u8, data: &[u8]) -> String {
 mod tests {
     use super::*;
 
-    /// The example of Intel's own description, and the usual end.
+    /// The example in Intel's description, and the usual last line.
     #[test]
     fn records_end_with_their_sum() {
         let data = [

@@ -1,4 +1,4 @@
-//! The crates as others would take them: documentation, features, examples, package.
+//! Checks of the crates from a user's view: documentation, features, examples, packages.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,18 +8,18 @@ use toml::{Table, Value};
 use crate::Result;
 use crate::shell::{cargo, output, remove, root, run, run_quoted, say, target};
 
-/// What can be published, in its order.
+/// Packages to publish, in the order of publication.
 const PACKAGES: [&str; 3] = ["floe-core", "floe-firmware", "floe"];
 
-/// What the packages do not depend on.
+/// Packages that the published ones do not depend on.
 const OURS_ALONE: [&str; 2] = ["floe-board-model", "xtask"];
 
-/// Builds the documentation with every warning an error, tests `floe-core` with serde, runs
-/// its examples, tests it without any effect, and builds all three from the packages that would be
-/// published.
+/// Builds the documentation with warnings as errors, tests `floe-core` with serde, runs its
+/// examples, tests it without any effect, and builds all three crates from the packages that would
+/// be published.
 ///
 /// # Errors
-/// The first of these that fails.
+/// The first check that fails.
 pub fn check() -> Result<()> {
     document()?;
     run(cargo().args([
@@ -40,16 +40,16 @@ pub fn check() -> Result<()> {
     online_if_need_be(|options| build(&packages, options))
 }
 
-/// Runs an example of the core, whose name is still to be given.
+/// A command that runs an example of the core; the caller adds the example's name.
 fn core_example(features: &[&str]) -> Command {
     let mut command = cargo();
     command.args(["run", "--quiet", "--package", "floe-core"]).args(features).arg("--example");
     command
 }
 
-/// The core without any effect: its unit tests, but for those of the elongation of a cable that
-/// sags, which it does not compute; and whether it says what the whole core says with every effect
-/// switched off. The same code makes both answers, so not a digit may differ.
+/// Tests the core without any effect: its unit tests (except those of a sagging cable's elongation,
+/// which it does not compute), and that its output equals that of the whole core with every effect
+/// switched off. The same code computes both, so no digit may differ.
 fn linear() -> Result<()> {
     run(cargo().args(["test", "--package", "floe-core", "--no-default-features", "--lib"]))?;
     let answers = [&["--features", "serde"][..], &["--no-default-features"]]
@@ -71,7 +71,7 @@ fn document() -> Result<()> {
     run(doc.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
-/// With what is on this machine, and with the registry where that does not do.
+/// Runs a job offline, and again with the registry if that fails.
 fn online_if_need_be(job: impl Fn(&[&str]) -> Result<()>) -> Result<()> {
     job(&["--offline"]).or_else(|reason| {
         say(&format!("{reason}\nagain, with what the registry has"));
@@ -79,7 +79,7 @@ fn online_if_need_be(job: impl Fn(&[&str]) -> Result<()>) -> Result<()> {
     })
 }
 
-/// Makes the packages, of what is not committed yet too.
+/// Builds the packages, including changes that are not committed.
 fn pack(options: &[&str]) -> Result<()> {
     let mut package = cargo();
     package.args(["package", "--no-verify", "--allow-dirty", "--target-dir"]).arg(target());
@@ -87,12 +87,10 @@ fn pack(options: &[&str]) -> Result<()> {
     run_quoted(package.args(PACKAGES.iter().flat_map(|name| ["--package", name])))
 }
 
-/// Unpacks the packages into a workspace of their own, in which each depends on the others'
-/// packages.
+/// Unpacks the packages into a separate workspace, in which each depends on the other packages.
 ///
-/// Cargo's own verification takes another package of the same version that an earlier run left
-/// in its registry or built, so it may build `floe` with an older `floe-core`, and pass or fail
-/// for that.
+/// Cargo's own verification may use another package of the same version, from its registry or an
+/// earlier build. It could build `floe` with an older `floe-core`, and pass or fail because of it.
 fn unpack() -> Result<PathBuf> {
     let packages = target().join("package");
     let folder = |name: &str| format!("{name}-{}", env!("CARGO_PKG_VERSION"));
@@ -122,8 +120,8 @@ fn unpack() -> Result<PathBuf> {
     Ok(packages)
 }
 
-/// How this workspace is built, so that what the packages depend on is not built again; they
-/// themselves as what others wrote is.
+/// Build profile of this workspace, so that dependencies of the packages are not built again; the
+/// packages themselves are built like dependencies.
 fn profile() -> Result<Value> {
     let manifest = std::fs::read_to_string(root().join("Cargo.toml")).map_err(|e| e.to_string())?;
     let mut manifest: Table = manifest.parse().map_err(|e| format!("Cargo.toml: {e}"))?;

@@ -1,5 +1,4 @@
-//! `cargo xtask maths`: the elementary functions compared, as the table in
-//! `docs/maths.md`.
+//! `cargo xtask maths`: comparison of the elementary functions, as the table in `docs/maths.md`.
 
 use std::fs;
 
@@ -14,7 +13,7 @@ const HEAD: &str = "| function | arguments | library | used | largest error | / 
                     | PC, ns | board, instructions: mean | worst |\n\
                     |---|---|---|---|---:|---:|---:|---:|---:|\n";
 
-/// Measures and puts the table in the place of the page's old one.
+/// Measures, and replaces the table on the page.
 ///
 /// # Errors
 /// The firmware or the timing program does not build or run; the page has no table.
@@ -48,7 +47,7 @@ fn table(host: &str, board: &[(String, u64, u64)]) -> Result<String> {
     Ok(table)
 }
 
-/// Times on this PC: `NAME/LIBRARY NS` a line.
+/// Times on this PC, one line `NAME/LIBRARY NS` each.
 fn host() -> Result<String> {
     say("times on this PC: example maths_speed");
     let mut command = cargo();

@@ -1,8 +1,8 @@
-//! Whether a panic can be reached from the core's functions in the linked image.
+//! Checks whether a function of the core in the linked image can reach a panic.
 //!
-//! `Pipeline::step` itself is in the main loop's function by then, so what is asked is
-//! more: whether any function of the core reaches one. Every branch of the Thumb code is followed, from the text of the image as it is on
-//! the board. Calls through pointers cannot be; functions that make some are named.
+//! `Pipeline::step` is inlined into the main loop, so all functions of the core are checked. Every
+//! branch of the Thumb code in the final image is followed. Calls through pointers cannot be
+//! followed; functions that contain some are named.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -11,11 +11,11 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
 use crate::Result;
 
-/// Functions that a sample runs through begin so, whatever type they belong to.
+/// Prefix of the core's function names.
 const CORE: &str = "floe_core::";
-/// One that has to be among them.
+/// A function of the core that must be in the image.
 const STEP: &str = "floe_core::pipeline::Pipeline::take";
-/// Whatever ends in the panic handler goes through one of these.
+/// Part of the name of every function on the way to the panic handler.
 const PANIC: &str = "core::panicking::";
 
 /// A function of the image.
@@ -25,10 +25,10 @@ struct Function {
     indirect: bool,
 }
 
-/// What the walk found, in a sentence.
+/// Result of the check, as a sentence.
 ///
 /// # Errors
-/// A way from `step` to a panic, or an image in which nothing can be checked.
+/// A path from a function of the core to a panic, or an image that cannot be checked.
 pub fn check(path: &Path) -> Result<String> {
     let bytes = std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let functions = functions(&bytes)?;
@@ -40,7 +40,7 @@ pub fn check(path: &Path) -> Result<String> {
     if with(&|name| name == STEP).is_empty() || panics.is_empty() {
         return Err(format!("{STEP} or {PANIC} has no symbol: nothing could be checked"));
     }
-    // The same walk has to find a panic where there is one.
+    // The search must find a panic from other functions of the image.
     let all: Vec<u32> = functions.keys().copied().collect();
     let callers = all.iter().filter(|&&f| !panics.contains(&f)).count();
     let may: usize = all.iter().filter(|&&f| way(&functions, f, &panics).is_some()).count();
@@ -82,7 +82,7 @@ fn reachable(functions: &BTreeMap<u32, Function>, from: u32) -> BTreeSet<u32> {
     seen
 }
 
-/// The names on the shortest way to one of `goals`.
+/// Names on the shortest path to one of `goals`.
 fn way(functions: &BTreeMap<u32, Function>, from: u32, goals: &[u32]) -> Option<Vec<String>> {
     let mut before = BTreeMap::from([(from, from)]);
     let mut waiting = std::collections::VecDeque::from([from]);
@@ -110,7 +110,7 @@ fn way(functions: &BTreeMap<u32, Function>, from: u32, goals: &[u32]) -> Option<
     None
 }
 
-/// Every function with the functions that it branches to.
+/// All functions, with the functions that each branches to.
 fn functions(bytes: &[u8]) -> Result<BTreeMap<u32, Function>> {
     let elf = object::File::parse(bytes).map_err(|e| e.to_string())?;
     let mut places: BTreeMap<u32, (u32, String)> = BTreeMap::new();
@@ -120,7 +120,7 @@ fn functions(bytes: &[u8]) -> Result<BTreeMap<u32, Function>> {
         if name.starts_with("$d") || name.starts_with("$t") {
             data.insert(at, name.starts_with("$d"));
         } else if symbol.kind() == SymbolKind::Text && symbol.size() > 0 {
-            // One compiler writes `<type>::function`, another `type::function`.
+            // The compilers differ: `<type>::function` or `type::function`.
             let name = format!("{:#}", rustc_demangle::demangle(name)).replace(['<', '>'], "");
             places.insert(at, (at + symbol.size() as u32, name));
         }
@@ -148,8 +148,8 @@ fn functions(bytes: &[u8]) -> Result<BTreeMap<u32, Function>> {
     Ok(functions)
 }
 
-/// Where the Thumb code branches to, and whether to a place that is not in it
-/// (ARM DDI 0403, A7.7: B, BL, CBZ, BLX).
+/// Targets of the branches in Thumb code, and whether some are indirect (ARM DDI 0403, A7.7: B, BL,
+/// CBZ, BLX).
 fn branches(body: &[u8], at: u32, is_data: impl Fn(u32) -> bool) -> (BTreeSet<u32>, bool) {
     let half = |i: usize| -> Option<u32> {
         Some(u32::from(u16::from_le_bytes(body.get(i..i + 2)?.try_into().ok()?)))
@@ -176,7 +176,7 @@ fn branches(body: &[u8], at: u32, is_data: impl Fn(u32) -> bool) -> (BTreeSet<u3
     (targets, indirect)
 }
 
-/// A branch of 16 bits.
+/// Offset of a 16-bit branch.
 fn short(code: u32) -> Option<i32> {
     match code >> 12 {
         0b1101 if code >> 8 & 0xF < 0xE => Some(signed(code << 1 & 0x1FE, 9)),
@@ -185,7 +185,7 @@ fn short(code: u32) -> Option<i32> {
     }
 }
 
-/// A branch of 32 bits.
+/// Offset of a 32-bit branch.
 fn long(first: u32, second: u32) -> Option<i32> {
     if first >> 11 != 0b11110 || second >> 15 == 0 {
         return None;
@@ -204,7 +204,7 @@ fn long(first: u32, second: u32) -> Option<i32> {
     (condition < 0xE && second & 0x4000 == 0).then(|| signed(bits, 21))
 }
 
-/// The lowest bits of a number as one with a sign.
+/// Sign extension of the lowest bits.
 fn signed(number: u32, bits: u32) -> i32 {
     (number << (32 - bits)) as i32 >> (32 - bits)
 }
@@ -213,7 +213,7 @@ fn signed(number: u32, bits: u32) -> i32 {
 mod tests {
     use super::*;
 
-    /// Assembled by hand from the manual's tables.
+    /// Assembled by hand from the tables of the manual.
     #[test]
     fn branches_go_where_the_processor_goes() {
         for (code, at, target) in [

@@ -1,4 +1,5 @@
-//! `cargo xtask performance`: the host's speed beside others, into `docs/performance.md`.
+//! `cargo xtask performance`: speed on the host compared with other tools, in
+//! `docs/performance.md`.
 
 use std::process::Command;
 
@@ -6,7 +7,7 @@ use crate::Result;
 use crate::python::environment;
 use crate::shell::{cargo, output, root, run, say, target};
 
-/// The page around the table.
+/// Text of the page around the table.
 const PAGE: &str = "\
 # Speed on a PC
 
@@ -28,10 +29,10 @@ processor time are what to look at.
   those of the campaign tests.
 ";
 
-/// Measures and writes the page.
+/// Measures, and writes the page.
 ///
 /// # Errors
-/// No Python, a build that fails, a page that cannot be written.
+/// Python is missing, a build fails, or the page cannot be written.
 pub fn run_all() -> Result<()> {
     let python = environment()?;
     let mut install = Command::new(&python);
@@ -45,7 +46,7 @@ pub fn run_all() -> Result<()> {
     let table = output(measure.env("CARGO_TARGET_DIR", target()).arg("--python").arg(&python))
         .ok_or("performance: failed")?;
     let page = root().join("docs/performance.md");
-    // What a release has, unless somebody in a hurry says otherwise.
+    // The settings of a release, unless link-time optimization is reduced to save time.
     let hurried = std::env::var("CARGO_PROFILE_RELEASE_LTO").is_ok_and(|lto| lto != "fat");
     let build = if hurried {
         "the release profile without link-time optimisation"

@@ -1,4 +1,4 @@
-//! `cargo xtask pictures`: the pictures of the README, from what the programs show.
+//! `cargo xtask pictures`: the pictures of the README, from the programs' output.
 
 use std::process::Command;
 
@@ -6,13 +6,13 @@ use crate::Result;
 use crate::browser::chromium;
 use crate::shell::{self, cargo, root, run, say, target};
 
-/// Part of the report that is shown, px.
+/// Visible part of the report, px.
 const WINDOW: [&str; 2] = ["--window-size=1240,1900", "--force-device-scale-factor=0.75"];
 
-/// A report of the bundled log in headless Chromium, and the live view of a test.
+/// Draws a report of the bundled log in headless Chromium, and the live view of a test.
 ///
 /// # Errors
-/// No Chromium, or a program that fails.
+/// Chromium is missing, or a program fails.
 pub fn run_all() -> Result<()> {
     let docs = root().join("docs");
     let report = target().join("pictures-report.html");

@@ -1,4 +1,4 @@
-//! The Python examples, in an environment of their own.
+//! The Python examples, in a virtual environment.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::shell::{self, remove, root, run, target};
 use crate::{Result, apt};
 
-/// Whether Python is here, or can be installed.
+/// Whether Python is installed, or can be.
 pub fn is_to_be_had() -> bool {
     has(&["--version"]) || apt::present()
 }
@@ -14,7 +14,7 @@ pub fn is_to_be_had() -> bool {
 /// Runs the examples on simulated logs.
 ///
 /// # Errors
-/// An example failed, or there is no Python.
+/// An example failed, or Python is missing.
 pub fn check() -> Result<()> {
     let python = environment()?;
     let floe = shell::floe()?;
@@ -29,17 +29,17 @@ pub fn check() -> Result<()> {
     run(many.arg("--lose-a-worker"))
 }
 
-/// Whether `python3` is here and ends well with these arguments.
+/// Whether `python3` succeeds with these arguments.
 fn has(arguments: &[&str]) -> bool {
     shell::output(Command::new("python3").args(arguments)).is_some()
 }
 
-/// The interpreter of the environment, made when it is missing, with what that takes.
+/// Interpreter of the virtual environment, which is created with its packages if missing.
 pub fn environment() -> Result<PathBuf> {
     let folder = target().join("python");
     let python = folder.join("bin/python");
     if !python.exists() {
-        // Debian's Python comes without the second.
+        // Debian's Python lacks `ensurepip`.
         if !has(&["-c", "import venv, ensurepip"]) {
             apt::install(&["python3", "python3-venv"])?;
         }
@@ -52,7 +52,7 @@ pub fn environment() -> Result<PathBuf> {
     Ok(python)
 }
 
-/// All of a folder or nothing: half of one would be taken for whole the next time.
+/// Creates a folder completely or not at all: a later run would take a partial one for complete.
 fn make(command: &mut Command, folder: &Path) -> Result<()> {
     let made = run(command.arg(folder));
     if made.is_err() {
@@ -61,7 +61,7 @@ fn make(command: &mut Command, folder: &Path) -> Result<()> {
     made
 }
 
-/// Two tests each of blocks that differ in weight and snow.
+/// Simulates two tests of each of several blocks, which differ in weight and snow.
 fn simulate(floe: &PathBuf, logs: &PathBuf) -> Result<()> {
     const SCENES: [&str; 3] = ["dff8-13", "linear/heavy", "terms/snow"];
     std::fs::create_dir_all(logs).map_err(|e| format!("{}: {e}", logs.display()))?;

@@ -1,5 +1,5 @@
-//! The emulator, QEMU 10 or newer: before that, `-icount` together with a
-//! sleeping processor is wrong and not repeatable.
+//! QEMU 10 or newer: in older versions `-icount` with a sleeping processor is wrong and not
+//! repeatable.
 
 use std::path::Path;
 use std::process::Command;
@@ -13,7 +13,7 @@ const OLDEST: u32 = 10;
 /// The emulator's program, installed if it is missing or too old.
 ///
 /// # Errors
-/// It is not there and cannot be installed.
+/// The installation fails.
 pub fn find() -> Result<&'static str> {
     if version().is_some_and(|v| v >= OLDEST) {
         return Ok(PROGRAM);
@@ -29,14 +29,13 @@ pub fn find() -> Result<&'static str> {
     }
 }
 
-/// The emulated board with a program in it, whose files are those of a directory.
-/// An instruction takes 2 to the power of `shift` ns, and a sleep no time at all.
-/// Somebody may be at its UART 0, by way of `socket`.
+/// The MPS2 board with a program, in a working directory. An instruction takes `2^shift` ns, a
+/// sleep no time. `socket` connects its UART 0.
 ///
-/// What would be recorded goes nowhere: recording keeps QEMU's two threads out of
-/// each other's way. Without it a sleep now and then begins before the instructions
-/// that led to it have been counted, and ends that much too late (seen twice in a
-/// million ticks). With it nothing that is typed would arrive.
+/// Without a socket the run is recorded (to /dev/null), because recording synchronizes QEMU's two
+/// threads. Otherwise a sleep sometimes begins before the preceding instructions have been counted,
+/// and ends too late by their time (seen twice in a million ticks). Recording blocks input on a
+/// socket.
 pub fn board(
     program: &str,
     shift: u32,
@@ -54,8 +53,8 @@ pub fn board(
     command
 }
 
-/// The user's board: a machine with the same processor, and a plugin that lays the
-/// board's own peripherals over it. 15.6 million instructions a second, as with 16 MHz.
+/// The user's board: a machine with the same processor, and a plugin that adds the board's
+/// peripherals. 15.6 million instructions a second, as at 16 MHz.
 pub fn nucleo(program: &str, plugin: &Path, firmware: &Path, directory: &Path) -> Command {
     let mut command = Command::new(program);
     command.args(["-M", "b-l475e-iot01a", "-display", "none", "-monitor", "none"]);

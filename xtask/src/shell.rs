@@ -1,4 +1,4 @@
-//! Running other programs, saying which.
+//! Runs other programs and prints their command lines.
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader};
@@ -8,17 +8,17 @@ use std::time::{Duration, Instant};
 
 use crate::Result;
 
-/// Names the folder that cargo builds into.
+/// Variable with cargo's target directory.
 const TARGET: &str = "CARGO_TARGET_DIR";
-/// Lines of a program that failed.
+/// Lines quoted from a failed program.
 const QUOTED: usize = 20;
 
-/// The top of the workspace.
+/// Root directory of the workspace.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_path_buf()
 }
 
-/// What is built, and what jobs leave behind: where cargo is told to, else in `target`.
+/// Directory for build results and outputs: cargo's target directory if set, else `target`.
 pub fn target() -> PathBuf {
     root().join(std::env::var_os(TARGET).unwrap_or("target".into()))
 }
@@ -30,18 +30,18 @@ pub fn cargo() -> Command {
     command
 }
 
-/// `floe`, built; with the features that this program gives what both depend on, so that
-/// nothing is built twice.
+/// Builds `floe` and returns its file. Features are those of a common build with this program, so
+/// that nothing is built twice.
 ///
 /// # Errors
-/// It does not build.
+/// The build fails.
 pub fn floe() -> Result<PathBuf> {
     let packages = ["--package", "floe", "--package", "xtask"];
     run(cargo().arg("build").args(packages).args(["--bin", "floe"]))?;
     Ok(target().join("debug/floe"))
 }
 
-/// Removes a folder, if it is there.
+/// Removes a folder if it exists.
 ///
 /// # Errors
 /// It cannot be removed.
@@ -54,15 +54,15 @@ pub fn remove(folder: &Path) -> Result<()> {
     }
 }
 
-/// Prints the command line, runs it, and fails if it does.
+/// Prints the command line, runs the command, and fails if the command fails.
 pub fn run(command: &mut Command) -> Result<()> {
     say(&format!("$ {}", line(command)));
     let status = command.status().map_err(|e| format!("cannot start {}: {e}", line(command)))?;
     if status.success() { Ok(()) } else { Err(format!("failed ({status}): {}", line(command))) }
 }
 
-/// Like [`run`]; a failure quotes the last that the program said, since a log's end is what is
-/// looked at first.
+/// Runs a command like [`run`]; the error of a failure quotes the command's last lines, because a
+/// log is read from its end.
 pub fn run_quoted(command: &mut Command) -> Result<()> {
     let line = line(command);
     say(&format!("$ {line}"));
@@ -86,7 +86,7 @@ pub fn run_quoted(command: &mut Command) -> Result<()> {
     if status.success() { Ok(()) } else { Err(format!("failed ({status}): {line}{}", quoted())) }
 }
 
-/// Like [`run`], but gives up after `limit` and keeps quiet unless it fails.
+/// Runs a command like [`run`] with a time limit, and hides its output unless it fails.
 pub fn run_within(command: &mut Command, limit: Duration) -> Result<()> {
     say(&format!("$ {}", line(command)));
     let mut child = command
@@ -114,7 +114,7 @@ pub fn output(command: &mut Command) -> Option<String> {
     out.status.success().then(|| String::from_utf8_lossy(&out.stdout).into_owned())
 }
 
-/// One line about what is going on, kept apart from results on standard output.
+/// Prints a progress line to standard error, apart from results on standard output.
 pub fn say(text: &str) {
     eprintln!("xtask: {text}");
 }

@@ -1,4 +1,4 @@
-//! `cargo xtask size`: what the firmware takes of the board.
+//! `cargo xtask size`: memory use of the firmware on the board.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,11 +14,11 @@ use crate::panics;
 /// Limits for the board, bytes.
 const FLASH_LIMIT: u64 = 128 * 1024;
 const RAM_LIMIT: u64 = 32 * 1024;
-/// The stack that the emulated boards do not need: paths that the emulated tests did
-/// not take.
+/// Reserve of stack beyond the use on the emulated boards, bytes, for paths that the emulated tests
+/// do not take.
 const STACK_SPARE: u64 = 4 * 1024;
 
-/// Prints the sizes and fails if one is over its limit.
+/// Prints the sizes, and fails if one exceeds its limit.
 ///
 /// # Errors
 /// The firmware does not build or is too big.
@@ -51,12 +51,12 @@ pub fn run(forced: Option<Route>) -> Result<()> {
     }
 }
 
-/// What an ELF file says.
+/// Sizes from an ELF file.
 pub(crate) struct Image {
     pub(crate) flash: u64,
     statics: u64,
     stack: u64,
-    /// Bytes by crate.
+    /// Bytes of flash by crate.
     pub(crate) crates: BTreeMap<String, u64>,
 }
 
@@ -72,7 +72,7 @@ impl Image {
                 SectionKind::Text | SectionKind::ReadOnlyData | SectionKind::ReadOnlyString => {
                     flash += section.size();
                 }
-                // Initial values are in flash too.
+                // Initial values are stored in flash too.
                 SectionKind::Data => {
                     (flash, statics) = (flash + section.size(), statics + section.size())
                 }
@@ -94,7 +94,7 @@ impl Image {
     }
 }
 
-/// The crate that a symbol was made from.
+/// Crate of a symbol.
 fn crate_of(symbol: &str) -> String {
     let name = format!("{:#}", rustc_demangle::demangle(symbol));
     let name = name.trim_start_matches(['<', '&', '[', '(', '*']);

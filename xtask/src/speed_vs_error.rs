@@ -1,5 +1,5 @@
-//! `cargo xtask bench --docs`: the host's comparison with the board's instructions beside it,
-//! into `docs/speed-vs-error.md` and its picture.
+//! `cargo xtask bench --docs`: the host's comparison together with the board's instruction counts,
+//! written to `docs/speed-vs-error.md` and its picture.
 
 use std::fs;
 use std::process::{Command, Stdio};
@@ -18,16 +18,16 @@ use crate::{Result, qemu};
 const PAGE: &str = "speed-vs-error.md";
 const PICTURE: &str = "speed-vs-error.svg";
 
-/// Measures and writes both.
+/// Measures, and writes page and picture.
 ///
 /// # Errors
-/// Something does not build or run.
+/// A build or a run fails.
 pub fn run(forced: Option<Route>) -> Result<()> {
     let mut result = host()?;
     let program = Route::find(forced)?.build_firmware("mps2-budget", "mps2-an386")?;
     let qemu = qemu::find()?;
     say("board: counting");
-    // One record of each is enough to count.
+    // One record per scene suffices for counting.
     let plans = scenes::plans(Effort::QUICK).map_err(|e| e.to_string())?;
     for (place, plan) in plans.iter().enumerate() {
         let trial = plan.run().map_err(|e| e.to_string())?;
@@ -51,12 +51,12 @@ pub fn run(forced: Option<Route>) -> Result<()> {
     Ok(())
 }
 
-/// `floe bench`, built as it is shipped.
+/// Runs `floe bench` in a release build.
 fn host() -> Result<BenchResult> {
     say("host: floe bench, some minutes");
     let mut command: Command = cargo();
     command.args(["run", "--release", "--package", "floe", "--", "bench", "--json"]);
-    // Its progress is for whoever waits.
+    // Progress goes to the terminal.
     let said = command.stderr(Stdio::inherit()).output().map_err(|e| e.to_string())?;
     if !said.status.success() {
         return Err(format!("floe bench: failed ({})", said.status));
@@ -64,7 +64,7 @@ fn host() -> Result<BenchResult> {
     serde_json::from_slice(&said.stdout).map_err(|e| format!("floe bench --json: {e}"))
 }
 
-/// The first record of a scene as the board's program reads it.
+/// First record of a scene in the form that the board's program reads.
 fn record(trial: &Trial, place: usize) -> Record {
     let setup = &trial.setup;
     let range_n = setup.range_n.unwrap_or(0.0);

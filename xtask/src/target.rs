@@ -12,21 +12,21 @@ use crate::arm::Route;
 use crate::qemu;
 use crate::shell::{self, say};
 
-/// Virtual time of an instruction is 2 to this power in ns.
+/// Binary logarithm of the virtual time of an instruction, ns: fast runs, and runs that count.
 const FAST: u32 = 4;
 const COUNTING: u32 = 8;
 const LIMIT: Duration = Duration::from_secs(120);
-/// How QEMU names the bit of a fault that it sets then.
+/// QEMU's name of the fault status bit for a failed push of an exception frame.
 const STACKING_FAILED: &str = "CFSR.MSTKERR";
 
-/// The program with the tests in it.
+/// The emulator, and the program with the tests.
 #[derive(Debug)]
 pub struct Tests {
     qemu: &'static str,
     program: PathBuf,
 }
 
-/// How a test has to end.
+/// Expected end of a test.
 enum End {
     Passed,
     Code(i32),
@@ -35,7 +35,7 @@ enum End {
 }
 
 impl End {
-    /// What the emulator is to tell on standard error.
+    /// Options of the emulator for its messages on standard error.
     fn options(&self) -> &'static [&'static str] {
         if matches!(self, Self::Overflow) { &["-d", "int"] } else { &[] }
     }
@@ -54,16 +54,16 @@ impl Tests {
     /// Builds the program and finds the emulator.
     ///
     /// # Errors
-    /// One of them is not to be had.
+    /// The build fails, or the emulator cannot be installed.
     pub fn prepare(forced: Option<Route>) -> Result<Self> {
         let program = Route::find(forced)?.build_firmware("mps2-test", "mps2-an386")?;
         Ok(Self { qemu: qemu::find()?, program })
     }
 
-    /// Runs all of them.
+    /// Runs all tests.
     ///
     /// # Errors
-    /// Which failed.
+    /// The tests that failed.
     pub fn run_all(&self) -> Result<()> {
         let tests = [
             ("tick", FAST, End::Passed),
@@ -145,7 +145,7 @@ fn within(command: &mut Command, limit: Duration) -> Result<Output> {
     child.wait_with_output().map_err(|e| e.to_string())
 }
 
-/// Results of the elementary functions as the board has to find them.
+/// Hashes of the elementary functions that the board must find.
 fn hashes() -> String {
     let line = |f: &Function| format!("{f} {:08x}", f.hash());
     FUNCTIONS.iter().map(line).collect::<Vec<_>>().join("\n")

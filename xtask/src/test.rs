@@ -1,4 +1,4 @@
-//! `cargo xtask test`: everything, in the order of how soon it fails.
+//! `cargo xtask test`: all checks, those that fail soonest first.
 
 use std::process::Command;
 use std::time::Instant;
@@ -11,7 +11,7 @@ use crate::shell::{self, cargo, run_within, say};
 use crate::target::Tests;
 use crate::{browser, budgets, defmt, emulate, host_tests, libraries, python, qemu, size};
 
-/// Names of the steps that passed, of those that did not, and of those that were left out.
+/// Names of the steps that passed, failed, or were skipped.
 #[derive(Default)]
 struct Tally {
     passed: Vec<&'static str>,
@@ -47,10 +47,10 @@ impl Tally {
     }
 }
 
-/// Runs every step, even after a failure, and ends with one summary line.
+/// Runs every step, even after a failure, and prints a summary line.
 ///
 /// # Errors
-/// Some step failed.
+/// A step failed.
 pub fn run(forced: Option<Route>, firmware_only: bool) -> Result<()> {
     let mut tally = Tally::default();
     if !firmware_only {
@@ -71,7 +71,7 @@ fn host(tally: &mut Tally) {
         tally.skip("Python examples", "no python3, and no apt to install it");
     }
     tally.step("reports in a browser", browser::check);
-    // Their power cuts check the file system with it.
+    // The tests of power cuts check the file system with it.
     tally.step("fsck.fat", || emulate::tool("fsck.fat").map(drop));
     tally.step("host tests", host_tests::run);
 }
@@ -105,14 +105,14 @@ fn firmware(tally: &mut Tally, forced: Option<Route>) {
 fn clippy() -> Command {
     let mut command = cargo();
     command.args(["clippy", "--workspace", "--all-targets"]);
-    // A new lint of a newer compiler must not stop a user.
+    // A lint added in a newer compiler must not stop a user.
     if in_ci() {
         command.args(["--", "-D", "warnings"]);
     }
     command
 }
 
-/// Runs a job that needs a component of the toolchain, adding it if it is missing.
+/// Runs a job that needs a component of the toolchain, which is added if missing.
 fn component(name: &str, job: &mut Command) -> Result<()> {
     let program = if name == "rustfmt" { "cargo-fmt" } else { "cargo-clippy" };
     if shell::output(Command::new(program).arg("--version")).is_none() {

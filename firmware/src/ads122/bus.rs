@@ -1,4 +1,4 @@
-//! The two ways to talk to the chip.
+//! The two buses of the chip: I²C and asynchronous serial.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{ErrorKind, I2c, SevenBitAddress};
@@ -6,25 +6,26 @@ use embedded_io::{Read, ReadReady, Write};
 
 use crate::adc::AdcFault;
 
-/// A command and, where there is one, its answer.
+/// Transport of commands to the chip and of its answers.
 pub trait Bus {
-    /// Where the register address sits in its command byte.
+    /// Bit position of the register address in the command byte.
     const ADDRESS_SHIFT: u8;
 
     /// Sends a command and its arguments.
     ///
     /// # Errors
-    /// [`AdcFault::Silent`] if nobody acknowledges, [`AdcFault::Garbled`] on any
-    /// other trouble.
+    /// [`AdcFault::Silent`] if the chip does not acknowledge, [`AdcFault::Garbled`] on any other
+    /// bus error.
     fn send(&mut self, bytes: &[u8]) -> Result<(), AdcFault>;
 
-    /// Sends a command and reads the answer, all of it.
+    /// Sends a command and fills `answer` with the chip's answer.
     ///
     /// # Errors
-    /// As [`Bus::send`]; [`AdcFault::Silent`] too if the answer stays out.
+    /// [`AdcFault::Silent`] without an acknowledge or an answer in time, else
+    /// [`AdcFault::Garbled`].
     fn ask(&mut self, command: u8, answer: &mut [u8]) -> Result<(), AdcFault>;
 
-    /// Makes a number of the three data bytes in the order they came.
+    /// Code of a conversion from its three data bytes, in the order of the bus.
     fn code(bytes: [u8; 3]) -> i32;
 }
 
@@ -73,12 +74,12 @@ pub struct SerialBus<P, D> {
     delay: D,
 }
 
-/// The word before every command, from which the chip takes the baud rate.
+/// Synchronization word sent before every command; the chip measures the baud rate from it.
 const SYNC: u8 = 0x55;
 /// A byte takes 87 µs; the longest answer is eight of them.
 const POLL_US: u32 = 20;
 const LIMIT_US: u32 = 2_000;
-/// Nobody has more than this to say before a command: it is babbling.
+/// Bytes discarded before a command at most. A line that delivers more is faulty.
 const STALE_BYTES: usize = 64;
 
 impl<P: Read + Write + ReadReady, D: DelayNs> SerialBus<P, D> {
@@ -87,7 +88,7 @@ impl<P: Read + Write + ReadReady, D: DelayNs> SerialBus<P, D> {
         Self { port, delay }
     }
 
-    /// Throws away what nobody asked for.
+    /// Discards received bytes that belong to no request.
     fn drain(&mut self) -> Result<(), AdcFault> {
         for _ in 0..STALE_BYTES {
             if !self.port.read_ready().map_err(garbled)? {

@@ -1,17 +1,17 @@
 //! TI ADS122C04 and ADS122U04: one 24-bit bridge converter behind two buses.
 //!
-//! Each sampling period: read the conversion that the last period started (eight
-//! bytes: a counter, the code, and all four again inverted), read back every
-//! register, start the next conversion. A fault costs its own sample: the chip is
-//! reset and set up again in the same call.
+//! In each sampling period the driver reads the conversion started in the previous period (eight
+//! bytes: a counter, the code, and these four bytes inverted), reads back every register and starts
+//! the next conversion. After a fault it resets the chip and sets it up again in the same call, so
+//! a fault costs one sample.
 //!
-//! A code that comes twice in a row is one in a hundred where the force stands
-//! still, but it may also be a converter that has hung. Then, and only then, the
-//! reference is converted too: if that gives the same code, it has. The next
-//! conversion starts 2 ms late, which matters little: the force was standing still.
+//! With a constant force one code in a hundred equals its predecessor, but a repeated code may also
+//! come from a converter that hangs. After a repeated code the driver therefore converts the
+//! reference too: if the result is the same code again, the converter hangs. The next conversion
+//! then starts 2 ms late, which matters little because the force is constant.
 //!
-//! Every half minute the chip's temperature or its supply is converted in the same way,
-//! between two samples: none is lost, the next one starts 2 ms late.
+//! Every half minute the driver converts the chip's temperature or its supply voltage between two
+//! samples. No sample is lost; the next conversion starts 2 ms late.
 
 mod bus;
 pub mod registers;
@@ -28,10 +28,10 @@ use registers::{
 
 /// Longest time from a reset to the first command, data sheet section 6.6.
 const RESET_US: u32 = 500;
-/// Time for a conversion of the reference, nearly twice what it takes.
+/// Waiting time for a conversion of the reference, nearly twice its duration (0.52 ms).
 const MONITOR_US: u32 = 1_000;
 
-/// The converter and what it has been told.
+/// Driver of the converter, with the state of the chip.
 #[derive(Debug)]
 pub struct Ads122<B, D> {
     bus: B,
@@ -40,18 +40,18 @@ pub struct Ads122<B, D> {
     state: State,
     /// Counter of the last conversion that was read; none since a reset.
     counter: Option<u8>,
-    /// The last code, and whether it is all that comes. A reset does not change what
-    /// is known of it, only another code does.
+    /// The last code, and whether the converter is frozen at it. A reset keeps both; only a
+    /// different code clears `frozen`.
     code: Option<i32>,
     frozen: bool,
     climate: Climate,
-    /// What is to be converted beside the next sample.
+    /// Quantity to convert next to the coming sample.
     aside: Option<Aside>,
-    /// The last one of the two.
+    /// The quantity that was requested last.
     last_aside: Aside,
 }
 
-/// What is converted between two samples.
+/// Quantity converted between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Aside {
     Temperature,
@@ -60,16 +60,16 @@ enum Aside {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
-    /// Registers unknown.
+    /// The contents of the registers are unknown.
     Unset,
-    /// Set up, nothing started.
+    /// The registers are set up, no conversion is running.
     Ready,
-    /// A conversion was started.
+    /// A conversion is running.
     Converting,
 }
 
 impl<B: Bus, D: DelayNs> Ads122<B, D> {
-    /// Touches nothing: the first [`BridgeAdc::tick`] sets the chip up.
+    /// Does not access the chip: the first [`BridgeAdc::tick`] sets it up.
     pub fn new(bus: B, delay: D) -> Self {
         let (input, state) = (Input::Bridge, State::Unset);
         Self {
@@ -92,7 +92,7 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
         self.counter = None;
         self.bus.send(&[RESET])?;
         self.delay.delay_us(RESET_US);
-        // The integrity check has to be on before anything is read back.
+        // Switch the integrity check on before reading anything back.
         let [zero, one, two, three] = settings(self.input);
         self.write_registers([(2, two), (0, zero), (1, one), (3, three)])?;
         self.check_registers()?;
@@ -143,7 +143,7 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
         Ok(())
     }
 
-    /// The finished conversion, if everything about it is as it should be.
+    /// Reads the finished conversion and checks counter, registers and repetition of the code.
     fn take(&mut self) -> Result<Counts, AdcFault> {
         // After a reset there is no counter to compare with.
         if self.counter.is_none() && self.read_register(2)? & DATA_READY == 0 {
@@ -151,7 +151,7 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
         }
         let code = self.read_data()?;
         self.check_registers()?;
-        // Full scale is full scale, however often.
+        // A saturated reading may repeat full scale for any time.
         let repeated = self.code.replace(code) == Some(code) && !saturated(code);
         self.frozen = repeated && (self.frozen || self.beside(MONITOR)? == code);
         if self.frozen {
@@ -164,7 +164,7 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
         Ok(Counts(scaled))
     }
 
-    /// Temperature or supply, if it is their turn.
+    /// Converts temperature or supply if requested.
     fn look_aside(&mut self) -> Result<(), AdcFault> {
         match self.aside.take() {
             None => {}
@@ -172,15 +172,15 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
                 self.climate.temperature_256 = Some((self.beside(THERMOMETER)? >> 10) * 8);
             }
             Some(Aside::Supply) => {
-                // A quarter of it, as a part of 2048 mV, in 23 bits.
+                // The code is a quarter of the supply relative to 2048 mV, in 23 bits.
                 self.climate.supply_mv = Some((self.beside(SUPPLY)? + (1 << 9)) >> 10);
             }
         }
         Ok(())
     }
 
-    /// Converts something else, which waits a millisecond. That the registers are as
-    /// before again is checked with the next sample.
+    /// Converts with other values of registers 0 and 1, which takes a millisecond, and restores
+    /// both. The next sample verifies the restored registers.
     fn beside(&mut self, registers: [u8; 2]) -> Result<i32, AdcFault> {
         self.write_registers([(0, registers[0]), (1, registers[1])])?;
         self.bus.send(&[START])?;
@@ -191,7 +191,7 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
         Ok(code)
     }
 
-    /// The temperature comes as 14 bits at the top, in 1/32 °C.
+    /// Scales the temperature, 14 bits at the top in 1/32 °C, to 1/256 °C; keeps other codes.
     fn scaled(&self, code: i32) -> i32 {
         if self.input == Input::Temperature { (code >> 10) * 8 } else { code }
     }

@@ -1,4 +1,4 @@
-//! What is done around a test: the zero, the span and the weight, the clock, the notebook.
+//! Commands around a test: zero, span and weight, clock, notes.
 
 use embedded_io::{Read, ReadReady, Write};
 use heapless::String;
@@ -13,12 +13,13 @@ use crate::store::Store;
 use crate::text::text;
 use crate::wall_clock::Moment;
 
-/// Half a sampling period: a command comes anywhere within one.
+/// Half a sampling period, ms: the mean time from a tick to a command.
 const HALF_A_PERIOD_MS: u64 = 31;
 
 impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
-    // This and the next on their own: a measurement is big, and on the stack while it moves.
-    /// Begins to measure what hangs there, or goes on with another known weight.
+    // This function and the next are not inlined: a measurement is large and on the stack when
+    // moved.
+    /// Starts a measurement of the load on the hook, or continues with another known weight.
     #[inline(never)]
     pub(super) fn measure(&mut self, task: Task) -> Result<(), &'static str> {
         let hint = match (task, &mut self.job) {
@@ -42,7 +43,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         Ok(())
     }
 
-    /// Once a second: how far the measurement has come.
+    /// Reports the progress of the measurement, once a second.
     #[inline(never)]
     pub(super) fn measured(&mut self) {
         let Job::Measuring(measuring) = &self.job else { return };
@@ -55,7 +56,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
     }
 
-    /// Uses what was measured.
+    /// Stores the result of the measurement in the settings.
     #[inline(never)]
     pub(super) fn accept(&mut self) -> Result<(), &'static str> {
         let Job::Measuring(measuring) = &self.job else {
@@ -72,7 +73,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         Ok(())
     }
 
-    /// The zero before the next test, and after the last one if there was one since.
+    /// Stores the zero for the next test, and for the previous test if one has ended since.
     fn take_zero(&mut self, settings: &mut Settings) {
         let moved_n =
             self.settings.force_n(floe_core::Counts(settings.config.calibration.tare_counts));
@@ -85,8 +86,8 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         settings.zero = Zero { before_n: Some(0.0), after_n: None };
     }
 
-    // Texts are big too.
-    /// Writes down what somebody says; between tests it belongs to the last one.
+    // Not inlined, because texts are large.
+    /// Writes a note to the log; between tests it belongs to the previous test.
     #[inline(never)]
     pub(super) fn note(&mut self, words: &String<INPUT_LEN>) -> Result<(), &'static str> {
         if !self.testing() && !self.pulled {
@@ -103,13 +104,13 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         Ok(())
     }
 
-    /// Sets the clock, or says what it shows.
+    /// Sets the clock, or shows it if `moment` is `None`.
     #[inline(never)]
     pub(super) fn set_clock(&mut self, moment: Option<Moment>) -> Result<(), &'static str> {
-        // Before the first sample there is no period to be in.
+        // Before the first sample there is no sampling period yet.
         let since_ms = if self.health.samples == 0 { 0 } else { HALF_A_PERIOD_MS };
         if let Some(Moment(unix_ms)) = moment {
-            // A test has one time from its beginning to its end.
+            // The clock of a running test is set at most once.
             if !self.testing() || self.clock.at(self.newest).is_none() {
                 let next = self.newest.wrapping_add(1);
                 self.clock.set(unix_ms.saturating_sub(since_ms), next);
@@ -129,28 +130,28 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
     }
 
-    /// The sampling begins now. `unix_ms`: what time it is, ms since 1970 (UTC), by a calendar
-    /// that has outlived the reset, or by somebody who was quicker.
+    /// Called when the sampling starts. `unix_ms`: time of day, ms since 1970 (UTC), from a
+    /// calendar that kept running through the reset or from a clock command before the sampling.
     #[inline(never)]
     pub fn begin_at(&mut self, unix_ms: Option<u64>) {
         if let Some(unix_ms) = unix_ms {
-            // The first conversion begins a period later.
+            // The first conversion begins one period later.
             self.clock.set(unix_ms.saturating_add(2 * HALF_A_PERIOD_MS), 0);
         }
         self.say_clock(unix_ms);
     }
 
-    /// Once after the clock has been set, for the board's calendar: when the newest tick came,
-    /// ms since 1970 (UTC).
+    /// Start of the period in progress, ms since 1970 (UTC), for the board's calendar; `Some` once
+    /// after the clock was set.
     pub fn new_time(&mut self) -> Option<u64> {
         if self.has_samples() || !core::mem::take(&mut self.is_new_time) {
             return None;
         }
-        // That tick has begun the sample after the newest.
+        // The newest tick started the sample after the newest one.
         self.clock.at(self.newest.wrapping_add(1))
     }
 
-    /// How cold the converter is and what feeds it, if it can tell.
+    /// Reports temperature and supply of the converter, if known.
     pub(super) fn say_climate(&mut self, index: u32) {
         let Climate { temperature_256, supply_mv } = self.shared.climate();
         let temperature_c = temperature_256.map(|code| code as f32 / 256.0);
@@ -160,7 +161,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
     }
 
-    /// Says when a test's first sample was taken, or that nobody knows.
+    /// Reports when the first sample of a test was taken, or that the clock is not set.
     pub(super) fn date(&mut self, index: u32) {
         match self.clock.at(index) {
             Some(_) => self.sync(index),
@@ -168,7 +169,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
     }
 
-    /// Says during a test when a sample was taken, if the clock is set.
+    /// During a test, reports when a sample was taken, if the clock is set.
     pub(super) fn sync(&mut self, index: u32) {
         let Job::Test(test) = &self.job else { return };
         if let (Some(first), Some(unix_ms)) = (test.first_index, self.clock.at(index)) {

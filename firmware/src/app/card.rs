@@ -1,4 +1,4 @@
-//! The card in its slot: it comes and goes, its last test may go on.
+//! Insertion and removal of the card, and resuming the last test on it.
 
 use super::{App, Job};
 use crate::line::Line;
@@ -8,8 +8,9 @@ use crate::text::text;
 use embedded_io::{Read, ReadReady, Write};
 
 impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
-    /// The card comes, goes, is being made ready: after a sample, unless others wait, and where a
-    /// display has nothing to show, since a step of the log's file takes longer than a period.
+    /// Watches and prepares the card and reports changes of its state. Call it after a sample when
+    /// no other sample waits and no picture is due, since one step of making the file exceeds a
+    /// period.
     #[inline(never)]
     pub fn tend(&mut self) {
         if self.has_samples() {
@@ -17,7 +18,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
         let state = self.journal.tend();
         let before = self.card.replace(state);
-        // Every tenth part of the log's file is said.
+        // Progress is reported in steps of 10 %.
         let shown = |state: CardState| {
             if let CardState::Making(percent) = state {
                 CardState::Making(percent / 10)
@@ -47,15 +48,15 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
     }
 
-    /// Goes on behind the last test of the card, unless there was one since power-up.
-    /// Its settings are taken unless there are others already, and if it was not ended
-    /// it goes on. A card that was away when a test of this board ended is told so.
+    /// Continues after the last test on the card, unless a test has run since power-up. Takes the
+    /// card's settings unless the user has set others, and resumes its test if that was not ended.
+    /// A card that missed the end of a test on this board gets the current settings.
     fn take_over(&mut self) {
         if self.testing() {
             return;
         }
         if self.part.run > 0 {
-            // One that is there from power-up on has missed nothing.
+            // A card present since power-up has missed no sector.
             if self.journal.failures() > 0 {
                 let stored = self.journal.remember(&self.settings);
                 self.check_store(stored.is_err());
@@ -65,8 +66,8 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
     }
 
-    /// What the card knows; whether its last test goes on. On its own: a record is big, and
-    /// off the stack when the test is resumed.
+    /// Takes over part and settings of the card's last record; returns whether its test was
+    /// running. Not inlined: a record is large and must be off the stack when the test is resumed.
     #[inline(never)]
     fn recall(&mut self) -> bool {
         let Some(last) = self.journal.last() else { return false };
@@ -75,7 +76,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         if self.is_set {
             return false;
         }
-        // What is being measured has been computed with other settings.
+        // A running measurement was computed with the settings replaced here.
         if !matches!(self.job, Job::Idle) {
             self.abort();
         }
@@ -85,8 +86,8 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         last.running
     }
 
-    /// Takes the settings of the last test from the card; says hello, and why the
-    /// board started, if not by being switched on. A test that was not ended goes on.
+    /// Prints the greeting and the cause of a reset other than power, takes the settings of the
+    /// last test from the card, and resumes that test if it was not ended.
     #[inline(never)]
     pub fn power_up(&mut self, last_words: Option<&str>) {
         log::info!("boot: {}", last_words.unwrap_or("power or the button"));
@@ -97,7 +98,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         self.take_over();
     }
 
-    /// On the card the last words stand at the beginning of the next test.
+    /// Reports the cause of the reset; on the card it precedes the next test.
     #[inline(never)]
     fn repeat(&mut self, last_words: &str) {
         let words = text(("restarted after: ", last_words));
@@ -107,8 +108,8 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
     }
 
-    /// The next part of the test that was running. The estimate begins anew: what
-    /// led to the reset must not lead to it again.
+    /// Starts the next part of the interrupted test. The estimate begins again from nothing, so
+    /// that its state cannot cause the same reset again.
     fn resume(&mut self) {
         if self.make_pipeline().is_err() {
             return;
@@ -120,7 +121,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     }
 
     pub(super) fn check_store(&mut self, failed: bool) {
-        // Said at the first failure and about every half hour of them.
+        // Reported at the first failure and then about every half hour.
         if failed && self.journal.failures() % 4096 == 1 {
             self.console.tell(&Line::Trouble("no card, full or broken: nothing is kept"));
         }

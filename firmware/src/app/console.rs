@@ -1,4 +1,4 @@
-//! What somebody typed, done.
+//! Execution of the commands typed on the console.
 
 use super::{App, Job};
 use crate::command::{Command, HELP, NEGATIVE, Setting};
@@ -9,7 +9,7 @@ use crate::store::Store;
 use embedded_io::{Read, ReadReady, Write};
 
 impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
-    // On its own, as all that is done with what was typed needs its stack.
+    // Not inlined: all commands need its stack.
     #[inline(never)]
     pub(super) fn obey(&mut self, typed: &Typed) {
         let command = match typed {
@@ -46,7 +46,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         Ok(())
     }
 
-    // On its own: settings are big, and on the stack while they change.
+    // Not inlined: settings are large and on the stack while they change.
     #[inline(never)]
     fn set(&mut self, setting: Setting) -> Result<(), &'static str> {
         let settings = self.settings.with(setting).map_err(config_error)?;
@@ -68,7 +68,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         self.info("aborted");
     }
 
-    /// Only to the console: the card has it all, and a display asks often.
+    /// Answers on the console only: the card has these data already, and displays ask often.
     #[inline(never)]
     fn status(&mut self) {
         let settings = Line::Start { run: self.part.run, settings: self.settings.clone() };

@@ -1,4 +1,4 @@
-//! Is the converter wired right, and the load cell at the end of its wires?
+//! The self test of converter, wiring and load cell, as part of the main loop.
 
 use super::{App, Job};
 use crate::line::{Line, Mean};

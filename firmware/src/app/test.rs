@@ -1,4 +1,4 @@
-//! A test: it starts, its samples come, it ends.
+//! Start, samples and end of a test.
 
 use embedded_io::{Read, ReadReady, Write};
 use floe_core::{Event, Phase, Pipeline, Step};
@@ -13,21 +13,21 @@ use crate::settings::Effects;
 use crate::store::Store;
 use crate::wall_clock::periods;
 
-/// Periods between two lines of temperature and supply: a minute.
+/// Sampling periods between two lines of temperature and supply: one minute.
 const CLIMATE_PERIODS: u32 = 960;
 
 pub(super) struct Test {
-    /// Index of its first sample, once that has come.
+    /// Index of the test's first sample, `None` before that sample.
     pub(super) first_index: Option<u32>,
     pub(super) phase: Phase,
-    /// A first answer whose event has not come yet.
+    /// First answer on a slip whose event is not complete yet.
     pub(super) about: Option<About>,
-    /// Rate of the force, N/s, the newest there is.
+    /// Newest rate of the force, N/s.
     pub(super) rate_n_per_s: Option<f32>,
 }
 
 impl Test {
-    /// Keeps what a display shows.
+    /// Stores the values that the display needs.
     fn note(&mut self, step: &Step) {
         self.phase = step.phase;
         self.rate_n_per_s = step.rate.map(|rate| rate.rate_n_per_s);
@@ -45,7 +45,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         self.make_pipeline()?;
         self.shared.want(crate::adc::Input::Bridge);
         let run = self.part.run.wrapping_add(1);
-        // What was on this card before makes it another one too.
+        // The identity depends on the card's previous test too.
         self.stir(self.part.id.unwrap_or(0) ^ u64::from(run));
         self.part = Part { id: Some(self.dice), run, ..Part::default() };
         log::info!("test {} starts", run);
@@ -54,7 +54,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         Ok(())
     }
 
-    /// From the next sample on it is a test.
+    /// Starts a test or a part of one with the next sample.
     pub(super) fn begin(&mut self) {
         self.journal.begin(self.part, &self.settings);
         self.say_settings();
@@ -65,10 +65,10 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
     }
 
-    // On its own: while it is made, a good part of it is on the stack.
+    // Not inlined: a large part of the new pipeline is on the stack.
     #[inline(never)]
     pub(super) fn make_pipeline(&mut self) -> Result<(), &'static str> {
-        // Not by way of `map_err`, which copies it field by field: 400 bytes of flash.
+        // `map_err` would copy the pipeline field by field: 400 bytes of flash.
         match Pipeline::new(&self.settings.core_config()) {
             Ok(pipeline) => *self.pipeline = Some(pipeline),
             Err(error) => return Err(config_error(error)),
@@ -100,7 +100,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         Ok(())
     }
 
-    /// Says an event, and when its onset was.
+    /// Reports an event and the time of its onset.
     fn tell_event(&mut self, event: Event) {
         self.tell(&Line::Event(event));
         if let Job::Test(Test { first_index: Some(first), .. }) = self.job {
@@ -108,12 +108,12 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
     }
 
-    /// What the pipeline still holds back.
+    /// Returns the event that the pipeline still holds back.
     fn finish_event(&mut self) -> Option<Event> {
         self.pipeline.as_mut().and_then(Pipeline::finish)
     }
 
-    /// The winch turns from the next sample on, or is held.
+    /// Records that the winch turns or is held from the next sample on.
     pub(super) fn mark_winch(&mut self, winch: Winch) -> Result<(), &'static str> {
         let (Job::Test(_), Some(pipeline)) = (&self.job, self.pipeline.as_mut()) else {
             return Err(NO_TEST);
@@ -146,7 +146,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         if begins {
             self.date(sample.index);
         }
-        // Their number in 32 bits: eight years.
+        // A 32-bit index lasts eight years.
         if step.sample.index.is_multiple_of(CLIMATE_PERIODS) {
             self.say_climate(step.sample.index);
         }
@@ -171,7 +171,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         self.check_store(stored.is_err());
     }
 
-    /// What is only for a display, not for the card.
+    /// Sends the line that only a display needs, not the card.
     fn show(&mut self, step: &Step) {
         let floe_core::ForceSample { index, force_n, flag, gap } = step.sample;
         let (phase, rate_n_per_s) = (step.phase, step.rate.map(|rate| rate.rate_n_per_s));
@@ -183,8 +183,8 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     }
 }
 
-/// Sampling periods between the last sample on the card and the first of the next part, if a
-/// clock has run all the time.
+/// Sampling periods between the last sample on the card and the first of the next part; `None`
+/// without both times.
 fn lost_between(left_ms: Option<u64>, start_ms: Option<u64>) -> Option<u32> {
     periods(start_ms?.checked_sub(left_ms?)?).checked_sub(1)
 }

@@ -41,7 +41,8 @@ mod target {
         }
     }
 
-    /// Puts everything in its place; a function of its own, so that its frame goes.
+    /// Creates all parts in static memory; a separate function, so that its stack frame is
+    /// released.
     #[inline(never)]
     fn build() -> (&'static mut Logger, &'static mut Sampler<'static, Adc>) {
         static SHARED: Shared = Shared::new();
@@ -51,7 +52,7 @@ mod target {
         static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
 
         let (Some(console), Some(line)) = (ConsoleFiles::open(), AdcLine::open()) else {
-            // Started without its neighbours.
+            // The host has not made the files.
             exit(3)
         };
         let (producer, consumer) = QUEUE.init_with(SampleQueue::new).split();

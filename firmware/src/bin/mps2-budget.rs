@@ -1,10 +1,10 @@
-//! The core alone on the emulated board, its instructions counted step by step: run with
-//! `-icount shift=8`, where an instruction takes 256 ns of the clock's 40 ns ticks.
+//! Counts the core's instructions per step on the emulated board: run with `-icount shift=8`, where
+//! an instruction takes 256 ns of the clock's 40 ns ticks.
 //!
-//! The file `samples` holds little-endian numbers: rate, Hz, weight, N, slope, rad, range of
-//! the cell, N (0: none), all f32; then the forces, N, NaN where a sample is bad. One line
-//! is printed: `budget SAMPLES EVENTS QUIET MEAN WORST AT BYTES`; `QUIET` is the median of
-//! the steps at which the block rests and nothing is told, `AT` the sample of the worst.
+//! The file `samples` holds little-endian f32: rate, Hz, weight, N, slope, rad, range of the cell,
+//! N (0: none); then the forces, N, NaN where a sample is bad. One line is printed:
+//! `budget SAMPLES EVENTS QUIET MEAN WORST AT BYTES`. `QUIET` is the median of the steps in which
+//! the block rests without any output, `AT` the sample of the worst step.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -17,12 +17,12 @@ mod target {
     use semihosting::io::Read;
     use static_cell::StaticCell;
 
-    /// Instructions a place of the histogram holds, and places.
+    /// Instructions per bin of the histogram, and number of bins.
     const WIDE: u32 = 8;
     const PLACES: usize = 2048;
     const SAMPLES_A_READ: usize = 256;
 
-    /// What the steps so far took.
+    /// Instruction counts of the steps so far.
     struct Tally {
         samples: u32,
         events: u32,
@@ -52,7 +52,7 @@ mod target {
             }
         }
 
-        /// Median, to the width of a place.
+        /// Median, to the width of a bin.
         fn quiet(&self) -> u32 {
             let mut left = self.quiet_steps / 2;
             for (place, &count) in (0..).zip(&self.quiet) {

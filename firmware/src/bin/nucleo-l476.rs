@@ -33,20 +33,21 @@ mod target {
 
     static SHARED: Shared = Shared::new();
 
-    /// Both address pins of the converter at ground.
+    /// I²C address of the converter with both address pins at ground.
     const CONVERTER: u8 = 0x40;
     /// 96 MiB: 27 hours of tests.
     const LOG_SECTORS: u32 = 196_608;
     /// Samples between two pictures on the display.
     const PICTURE_SAMPLES: u32 = 8;
-    /// Samples between two words about the stack.
+    /// Samples between two log lines about the stack: one minute.
     const MINUTE_SAMPLES: u32 = 960;
-    /// A whole picture takes 28 ms of the bus; later than this it would meet the tick.
+    /// Latest start of a transfer, us after the tick: a picture takes 28 ms of the bus and must be
+    /// complete before the next tick.
     const PICTURE_LATEST_US: u32 = 30_000;
-    /// The log's file is made longer by so many sectors at a time: 100 to 120 ms, emulated.
+    /// Sectors by which the log's file grows in one step: 100 to 120 ms, emulated.
     const STEP_SECTORS: u32 = 16;
 
-    /// The crystal gets so long to start, us; cold ones are slow.
+    /// Time limit for the crystal to start, us; a cold crystal starts slowly.
     const CRYSTAL_US: u32 = 5_000_000;
     const NO_CRYSTAL: &str = "the crystal does not run: samples by the internal oscillator, \
         whose rate is off by up to 2 %; the coefficients do not depend on it";
@@ -58,14 +59,14 @@ mod target {
         watchdog.unleash();
         app.power_up(words.as_deref());
         let mut waiting = Some(sampler);
-        // What the time is ahead of the board's own, ms, if it was set before the crystal ran.
+        // Offset of the time of day from the clock, ms, if it was set before the crystal ran.
         let mut early = None;
         let (mut samples, mut minute, mut pulse) = (0, 0, Pulse::default());
         loop {
             if let Some(sampler) = waiting.take() {
                 waiting = begin(app, sampler, early);
             }
-            // A board that does not sample is as bad as one that hangs.
+            // A board that does not sample is as bad as a board that hangs.
             if waiting.is_some() || pulse.beats(&SHARED) {
                 watchdog.pet();
             }
@@ -86,7 +87,7 @@ mod target {
                     log_stack();
                     screen.forget();
                 }
-                // The card waits for a picture that is due, else the picture would wait for the card.
+                // When a picture is due it goes first, because the card would delay it.
                 if samples < PICTURE_SAMPLES {
                     app.tend();
                 } else if screen.show(app) {
@@ -97,7 +98,7 @@ mod target {
         }
     }
 
-    /// Once a minute, where the firmware logs.
+    /// Logs the use of the stack, in a build with logging.
     fn log_stack() {
         #[cfg(feature = "defmt")]
         {
@@ -106,35 +107,35 @@ mod target {
         }
     }
 
-    /// The display and what it shows.
+    /// The display and its contents.
     struct Screen {
         display: Display,
         picture: Picture,
     }
 
     impl Screen {
-        /// Draws a picture, and sends what is new if the tick leaves the time for it: else the
-        /// picture after the next sample is sent.
+        /// Draws a picture and sends the changes if enough time is left before the tick; otherwise
+        /// the picture after the next sample is sent.
         #[inline(never)]
         fn show(&mut self, app: &Logger) -> bool {
             let _ = self.picture.draw(&mut self.display, &app.view());
             let in_time = clock::since_tick() < PICTURE_LATEST_US;
-            // Without a display there is nothing to see; with one, what did not arrive
-            // comes with the next picture.
+            // A missing display is no error; after a failed transfer the next picture is sent
+            // whole.
             if in_time && self.display.flush().is_err() {
                 self.forget();
             }
             in_time
         }
 
-        /// The next picture is drawn and sent as a whole: what the bus has garbled goes.
+        /// Forces the next picture to be drawn and sent whole, which replaces garbled pixels.
         fn forget(&mut self) {
             self.display.clear_buffer();
             self.picture = Picture::default();
         }
     }
 
-    /// Starts the sampling when its clock is there; gives the sampler back while not.
+    /// Starts the sampling once its clock runs; returns the sampler until then.
     fn begin(
         app: &mut Logger,
         sampler: &'static mut Sampler<'static, Adc>,
@@ -168,7 +169,8 @@ mod target {
         watchdog: Watchdog,
     }
 
-    /// Puts everything in its place; a function of its own, so that its frame goes.
+    /// Creates all parts in static memory; a separate function, so that its stack frame is
+    /// released.
     #[inline(never)]
     fn build() -> Parts {
         static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
@@ -204,14 +206,15 @@ mod target {
         Screen { display, picture: Picture::default() }
     }
 
-    /// Only wakes.
+    /// The interrupt has no work except waking the processor.
     #[cortex_m_rt::exception]
     fn SysTick() {}
 
-    /// What `cortex-m-rt` has in the table of vectors. Where the stack has run over there is no
-    /// room for anything more, and one fault more would be the last: the stack begins anew.
-    // SAFETY: it never returns; nothing below the stack's beginning is needed any more but
-    // what the processor has put there last, which is handed on.
+    /// Entry of the vector table under the name that `cortex-m-rt` expects. After a stack overflow
+    /// there is no room left, and a second fault would lock up the processor: the stack pointer is
+    /// reset.
+    // SAFETY: it never returns; below the stack's beginning only the exception frame, which the
+    // processor pushed last and which is passed on, is still needed.
     #[allow(unsafe_code)]
     #[unsafe(no_mangle)]
     #[unsafe(naked)]
@@ -228,7 +231,7 @@ mod target {
 
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-        // Not where: the places of all panics would be 5 kB of the program.
+        // Without the location: the locations of all panics would take 5 kB of flash.
         crash::die(&"a panic")
     }
 }

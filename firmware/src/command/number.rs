@@ -1,15 +1,15 @@
-//! Numbers as somebody types them.
+//! Parsing of typed numbers.
 
 const MISSING: &str = "a number like 12.5 is missing";
 pub(crate) const NEGATIVE: &str = "not below zero";
 
-/// A number that is not below zero.
+/// A number that is not negative.
 pub(super) fn size(text: &str) -> Result<f32, &'static str> {
     number(text).and_then(|size| if size >= 0.0 { Ok(size) } else { Err(NEGATIVE) })
 }
 
-/// A decimal number without an exponent, of at most 15 digits: the standard
-/// library's parser would be a tenth of the program.
+/// A decimal number without an exponent, of at most 15 digits. The standard library's parser would
+/// take a tenth of the program.
 pub(super) fn number(text: &str) -> Result<f32, &'static str> {
     const MOST_DIGITS: usize = 15;
     let (sign, digits) = match text.as_bytes() {
@@ -31,7 +31,7 @@ pub(super) fn number(text: &str) -> Result<f32, &'static str> {
     if count == 0 { Err(MISSING) } else { Ok(sign * ratio(number, scale)) }
 }
 
-/// A whole number of codes; a converter has 24 digits of two, and so has an `f32`.
+/// A whole number of codes. A converter has 24 bits, and so has the mantissa of an `f32`.
 pub(super) fn code(text: &str) -> Result<i32, &'static str> {
     let number = number(text)?;
     let code = number as i32;
@@ -39,8 +39,8 @@ pub(super) fn code(text: &str) -> Result<i32, &'static str> {
     if is_whole { Ok(code) } else { Err("a whole number of codes") }
 }
 
-/// The `f32` nearest to a ratio of two numbers below 2⁵³, the second above zero; the even
-/// one of two.
+/// The `f32` nearest to a ratio of two numbers below 2⁵³, the second above zero; ties go to the
+/// even one.
 fn ratio(mut number: u64, mut scale: u64) -> f32 {
     if number == 0 {
         return 0.0;
@@ -52,7 +52,7 @@ fn ratio(mut number: u64, mut scale: u64) -> f32 {
     while number >= 2 * scale {
         (scale, exponent) = (2 * scale, exponent + 1);
     }
-    // 24 binary digits, the first of them 1.
+    // 24 binary digits, of which the first is 1.
     let mut digits = 0;
     for _ in 0..24 {
         let digit = u32::from(number >= scale);

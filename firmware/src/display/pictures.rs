@@ -1,5 +1,5 @@
-//! The pictures of the display in the documentation, drawn by the display's own code:
-//! `docs/display/`. `FLOE_GOLDEN=write` writes them anew.
+//! Pictures of the display for the documentation (`docs/display/`), drawn by the display's own
+//! code. `FLOE_GOLDEN=write` writes them again.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -33,7 +33,7 @@ type Screen = Framebuffer<
     { buffer_size::<BinaryColor>(WIDTH, HEIGHT) },
 >;
 
-/// Black with one bar for each row's points side by side.
+/// The picture on black; neighbouring lit pixels of a row form one bar.
 fn svg(screen: &Screen) -> String {
     let lit = |x: usize, y: usize| screen.pixel(Point::new(x as i32, y as i32));
     let mut bars = String::new();
@@ -72,7 +72,7 @@ fn report(change: Option<Change>) -> Report {
     Report { events: 33, mu_s, mu, change, ..none }
 }
 
-/// What stands on the display, by the names of the pictures.
+/// Name of each picture and the view that it shows.
 fn views() -> [(&'static str, View); 9] {
     let idle = View { force_n: Some(0.3), ..nothing() };
     let set = View { unix_ms: Some(1_803_982_507_000), ..idle };

@@ -1,4 +1,4 @@
-//! What the rows of the display say.
+//! The text of the display's rows.
 
 use floe_core::{Cause, Change, Effects, Estimate, Phase};
 use heapless::String;
@@ -10,10 +10,10 @@ use crate::store::CardState;
 use crate::text::{Fixed, Out, Show};
 use crate::wall_clock::TimeOfDay;
 
-/// As many letters as there is room for.
+/// Text of a row; 21 letters fit.
 pub type Row = String<21>;
 
-/// The large one first.
+/// All rows, the large one first.
 #[must_use]
 pub fn rows(view: &View) -> [Row; 6] {
     let mut rows: [Row; 6] = Default::default();
@@ -27,7 +27,7 @@ pub fn rows(view: &View) -> [Row; 6] {
     rows
 }
 
-/// Coefficients, the newest slip, what the block does.
+/// The rows of a test: coefficients, the newest slip, state of the block.
 fn pulling([first, second, third, fourth]: &mut [Row; 4], view: &View) {
     let report = view.report.as_ref();
     coefficient(first, "mu_s", report.and_then(|r| r.mu_s.as_ref()));
@@ -36,7 +36,7 @@ fn pulling([first, second, third, fourth]: &mut [Row; 4], view: &View) {
     state(fourth, view);
 }
 
-/// The block's weight so far.
+/// The rows of a weighing: the block's weight so far.
 fn weighing([weight, swing, duration, advice]: &mut [Row; 4], weighed: &Weighed) {
     let hindered = match &weighed.load {
         Ok(load) => {
@@ -94,7 +94,7 @@ fn state(row: &mut Row, view: &View) {
     }
 }
 
-/// The first answer on the newest slip, mu_s and mu.
+/// First answer on the newest slip: mu_s and mu.
 fn about(row: &mut Row, view: &View) {
     let Some(answer) = &view.provisional else { return };
     let mu_s = ("about ", Fixed(answer.mu_s.value, 3), " ");
@@ -104,8 +104,8 @@ fn about(row: &mut Row, view: &View) {
     }
 }
 
-/// What to know of the test, if all is well with the board: a change, a zero that moved, else what of
-/// the error more events would average out.
+/// The last row: a defect of the board, else a change, a zero that moved, or the random error,
+/// which more events would reduce.
 fn last_row(row: &mut Row, view: &View) {
     let Some(report) = view.report.as_ref().filter(|_| is_well(&view.health)) else {
         return health(row, view);
@@ -121,7 +121,7 @@ fn last_row(row: &mut Row, view: &View) {
     }
 }
 
-/// The effects that the test shows, as many as there is room for.
+/// Names of the effects found, as many as fit.
 struct Found(Effects);
 
 impl Show for Found {
@@ -130,7 +130,7 @@ impl Show for Found {
     }
 }
 
-/// Since which event what is another.
+/// The event at which a change was found, and the cause of the change.
 fn changed(row: &mut Row, change: &Change) {
     let event = change.event;
     match change.cause {
@@ -144,7 +144,7 @@ fn lost(health: &Health) -> u32 {
     health.overruns.saturating_add(health.adc_faults)
 }
 
-/// Nothing to tell of the board but that it runs.
+/// Whether the board has lost no sample and no sector.
 fn is_well(health: &Health) -> bool {
     lost(health) == 0 && health.store_failures == 0
 }
@@ -169,7 +169,7 @@ fn health(row: &mut Row, view: &View) {
     put(row, (card, lost));
 }
 
-/// What is too long is cut: there is no more room anyway.
+/// Writes text into a row; text that is too long is cut.
 fn put(row: &mut Row, content: impl Show) {
     content.show(&mut Out::new(row));
 }
@@ -257,7 +257,7 @@ mod tests {
         assert_eq!(row(super::health, &back).as_str(), "card back lost 999999");
         let idle = View { report: None, unix_ms: None, ..nothing() };
         assert_eq!(row(state, &idle).as_str(), "no test, clock unset");
-        // What is cut to the row's 21 letters ends otherwise.
+        // The letters cut at the end of the 21-letter row differ.
         let mut pipeline = floe_core::Pipeline::new(&floe_core::Config {
             weight_n: 630.0,
             ..floe_core::Config::default()
@@ -267,7 +267,7 @@ mod tests {
         assert_eq!(row(last_row, &well).as_str(), "random 0.0800");
         let found = Effects::NONE.with(Effect::Sag, true).with(Effect::Onset, true);
         let shows = |found| View { report: Some(Report { found, ..report }), ..well };
-        // The second one has no room.
+        // The second effect does not fit.
         assert_eq!(row(last_row, &shows(found)).trim_end(), "random 0.0800 sag");
         let found = found.with(Effect::Sag, false);
         assert_eq!(row(last_row, &shows(found)).as_str(), "random 0.0800 onset");

@@ -1,5 +1,5 @@
-//! An `f32` as the decimal that gives it back: the standard library's way would be
-//! a tenth of the program.
+//! Shortest decimal text of an `f32` that reads back as the same value. The standard library's
+//! formatting would take a tenth of the program.
 
 use core::fmt;
 
@@ -8,9 +8,8 @@ use heapless::String;
 
 use crate::text::{Out, Show, whole};
 
-/// Writes at least 6 significant digits, more if needed, without closing zeros;
-/// with an exponent outside 0.0001 to 1e9. Reading the text as `f32` gives the same
-/// bits (not for NaN).
+/// Text with at least 6 significant digits, more if needed, without trailing zeros; with an
+/// exponent outside 0.0001 to 1e9. Reading the text as `f32` gives the same bits (except for NaN).
 ///
 /// ```
 /// use floe_firmware::line::Decimal;
@@ -51,9 +50,8 @@ impl fmt::Display for Decimal {
     }
 }
 
-/// Significant digits as a whole number without closing zeros, and the power of
-/// ten of the first of them. 6 digits or more, 9 at most: with 9 a decimal is nearer
-/// to its `f32` than to any other.
+/// Significant digits as an integer without trailing zeros, and the power of ten of the first
+/// digit. From 6 to 9 digits: with 9 a decimal is nearer to its `f32` than to any other.
 fn shortest(number: f32) -> (u32, i32) {
     if number == 0.0 {
         return (0, 0);
@@ -64,7 +62,7 @@ fn shortest(number: f32) -> (u32, i32) {
         (scaled, limit) = (10 * scaled, 10 * limit);
     }
     let mut digits = rounded(scaled);
-    // Rounding up can carry into a new first digit: 999 999.96.
+    // Rounding up can add a digit, for example for 999 999.96.
     if digits >= limit {
         exponent += 1;
     }
@@ -74,26 +72,26 @@ fn shortest(number: f32) -> (u32, i32) {
     (digits, exponent)
 }
 
-/// Binary digits behind the point of a scaled number.
+/// Number of binary digits after the point of a scaled number.
 const POINT: u32 = 30;
 
-/// A number above zero in 6 decimal digits before the point, and the power of ten of
-/// the first of them.
+/// A positive number with 6 decimal digits before the point, and the power of ten of the first
+/// digit.
 fn six_digits(number: f32) -> (u64, i32) {
     let (mantissa, power) = parts(number);
-    // The number is `scaled * 2^binary * 10^decimal`, `scaled` as large as can be.
+    // The number is `scaled * 2^binary * 10^decimal`, with `scaled` as large as possible.
     let normal = |scaled: u64, binary: i32| {
         let room = scaled.leading_zeros();
         (scaled << room, binary - room as i32)
     };
     let (mut scaled, mut binary) = normal(mantissa.into(), power);
     let mut decimal = 0;
-    // Below 2^20.
+    // Scaled below 2^20.
     while binary > -44 {
         (scaled, binary) = normal(tenth(scaled), binary);
         decimal += 1;
     }
-    // At least 2^16.
+    // Scaled to 2^16 at least.
     while binary < -47 {
         (scaled, binary) = normal((scaled >> 4) * 10, binary + 4);
         decimal -= 1;
@@ -108,7 +106,7 @@ fn six_digits(number: f32) -> (u64, i32) {
     (scaled, decimal + 5)
 }
 
-/// A number above zero as mantissa and power of two.
+/// A positive number as mantissa and power of two.
 fn parts(number: f32) -> (u32, i32) {
     let bits = number.to_bits();
     match bits >> 23 {
@@ -121,29 +119,30 @@ fn tenth(scaled: u64) -> u64 {
     divide(scaled, 10).0
 }
 
-/// The nearest whole number; of two the upper one, though tenths were cut off.
+/// The nearest integer. Ties go up, even when scaling has truncated tenths.
 fn rounded(scaled: u64) -> u32 {
     const CUT: u64 = 1 << 13;
     ((scaled + (1 << (POINT - 1)) + CUT) >> POINT) as u32
 }
 
-/// Is its rounding nearer to it than nearly half the distance to its neighbour?
+/// Whether rounding to an integer changes the number by less than nearly half the distance to the
+/// next `f32`.
 fn is_near(scaled: u64, number: f32) -> bool {
     let off = (u64::from(rounded(scaled)) << POINT).abs_diff(scaled);
     let (mantissa, _) = parts(number);
-    // The neighbour below a power of two is half as far as the one above.
+    // The next number below a power of two is half as far away as the next one above.
     let distances = if mantissa == 0x80_0000 { 4 } else { 2 };
     off * distances * u64::from(mantissa) < scaled - (scaled >> 12)
 }
 
-/// Writes `digits` with the first of them at a power of ten.
+/// Writes `digits`, with the first digit at a power of ten.
 fn plain(out: &mut Out<'_>, digits: u32, exponent: i32) {
     let count = digits.checked_ilog10().unwrap_or(0) as i32 + 1;
     let decimals = count - 1 - exponent;
     if decimals <= 0 {
         return (digits * 10_u32.pow(decimals.unsigned_abs())).show(out);
     }
-    // Ten decimals or more are more than there are digits.
+    // With ten decimals or more the scale exceeds all digits.
     let scale = 10_u32.checked_pow(decimals.unsigned_abs()).unwrap_or(u32::MAX);
     (digits / scale, ".").show(out);
     whole(out, (digits % scale).into(), decimals as usize);
@@ -190,7 +189,7 @@ mod tests {
             check(value);
         }
         for exponent in 1..255_u32 {
-            // Powers of two and their neighbours, where the distance changes.
+            // Powers of two and their neighbours, where the distance between numbers changes.
             for offset in [-1_i32, 0, 1] {
                 check(f32::from_bits((exponent << 23).wrapping_add_signed(offset)));
             }

@@ -1,4 +1,4 @@
-//! Single fields, there and back.
+//! Formatting and parsing of single fields.
 
 use core::str::{FromStr, Split};
 
@@ -18,7 +18,7 @@ impl Writer<'_> {
         value.show(&mut self.0);
     }
 
-    /// The fewest digits that give the same `f32` back.
+    /// Writes the fewest digits that read back as the same `f32`.
     pub(super) fn put_f32(&mut self, value: f32) {
         self.put(Decimal(value));
     }
@@ -68,7 +68,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The same for what lines of older boards end before.
+    /// Reads an optional field that lines of older boards lack.
     pub(super) fn take_late<T: FromStr>(&mut self) -> Result<Option<T>, LineError> {
         match self.0.next() {
             None | Some("") => Ok(None),
@@ -87,7 +87,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The same for what lines of older boards end before.
+    /// Reads an optional word in a field that lines of older boards lack.
     pub(super) fn take_late_word<T: Word>(&mut self) -> Result<Option<T>, LineError> {
         match self.0.next() {
             None | Some("") => Ok(None),
@@ -96,7 +96,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A value that is one of a few words.
+/// A value with a fixed set of words.
 pub(super) trait Word: Copy + PartialEq + 'static {
     const WORDS: &'static [(Self, &'static str)];
 }

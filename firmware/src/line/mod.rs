@@ -1,10 +1,9 @@
-//! Live lines: what the board says, one line each, readable by people and
-//! programs.
+//! Live lines: the board's messages, one line each, readable by people and programs.
 //!
-//! `KIND,field,field,...*HHHH`: the fields of a kind are fixed in order and may
-//! grow at the end; an empty field is unknown; `HHHH` is the CRC-16/XMODEM of all
-//! that stands before the asterisk. Numbers are written with the fewest digits
-//! that give the same `f32` back, so a decoded event is the board's bit for bit.
+//! A line is `KIND,field,field,...*HHHH`. The order of a kind's fields is fixed, and new fields are
+//! added at the end; an empty field is unknown; `HHHH` is the CRC-16/XMODEM of all characters
+//! before the asterisk. Numbers have the fewest digits that read back as the same `f32`, so a
+//! decoded event equals the board's bit for bit.
 
 mod decimal;
 mod fields;
@@ -38,20 +37,20 @@ pub enum Line<'a> {
     Start {
         /// Number of the test since the card was new.
         run: u32,
-        /// All that the test is computed with.
+        /// All settings that the test is computed with.
         settings: Settings,
     },
     /// `S`: a sample during a test.
     Sample(LiveSample),
     /// `P`: the earlier sample with this index was a spike.
     Spike(u32),
-    /// `A`: a first answer on a slip; its `E` follows.
+    /// `A`: a first answer on a slip; the slip's `E` follows.
     About(About),
     /// `E`: an event is complete.
     Event(Event),
-    /// `C`: the block or its friction has changed.
+    /// `C`: the weight or the friction of the block has changed.
     Change(Change),
-    /// `F`: a stretch without events: a constant force, or what was not understood.
+    /// `F`: a stretch without events: a steady force, or one that was not understood.
     Stretch(Stretch),
     /// `R`: the result so far.
     Report(Report),
@@ -62,83 +61,83 @@ pub enum Line<'a> {
     },
     /// `H`: the health of the board.
     Health(Health),
-    /// `M`: the mean of a number of readings, for taring and self test.
+    /// `M`: the mean of several readings, for the self test.
     Mean(Mean),
     /// `G`: the block's weight so far.
     Weighed(Weighed),
-    /// `N`: what somebody wrote down.
+    /// `N`: a note by the user.
     Note(&'a str),
-    /// `W`: what the winch does from now on.
+    /// `W`: state of the winch from now on.
     Mark {
-        /// From the start of the test.
+        /// Index of the sample from the start of the test.
         index: u32,
         /// Moving or held.
         winch: Winch,
     },
-    /// `Y`: what time it is.
+    /// `Y`: the time of day at a sample.
     Sync {
-        /// From the start of the test.
+        /// Index of the sample from the start of the test.
         index: u32,
-        /// Milliseconds since 1970 (UTC).
+        /// Start of the sample, ms since 1970 (UTC).
         unix_ms: u64,
     },
-    /// `K`: how cold the board is, and how its battery does.
+    /// `K`: temperature and supply voltage of the board.
     Climate {
-        /// From the start of the test.
+        /// Index of the sample from the start of the test.
         index: u32,
         /// Temperature of the converter, °C.
         temperature_c: Option<f32>,
         /// Supply, V.
         supply_v: Option<f32>,
     },
-    /// `I`: an answer, in words.
+    /// `I`: an answer as text.
     Info(&'a str),
-    /// `!`: something is wrong, in words.
+    /// `!`: a problem, as text.
     Trouble(&'a str),
 }
 
-/// A sample as it is shown.
+/// A sample with the results shown live.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiveSample {
-    /// From the start of the test.
+    /// Index from the start of the test.
     pub index: u32,
-    /// N; `None` if unusable.
+    /// Force, N; `None` if unusable.
     pub force_n: Option<f32>,
-    /// What the pipeline made of it.
+    /// Judgement of the pipeline on the sample.
     pub flag: SampleFlag,
-    /// What the block is doing.
+    /// Phase of the block's motion.
     pub phase: Phase,
-    /// Missing indices right before.
+    /// Missing indices immediately before the sample.
     pub gap: u32,
-    /// Rate of the force, N/s, by central difference: of the sample two before.
+    /// Rate of the force at the sample two before, N/s, by central difference.
     pub rate_n_per_s: Option<f32>,
 }
 
-/// A weighing as it is shown.
+/// Result of a weighing so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weighed {
-    /// Length of the record that counts, s; 64 at most.
+    /// Length of the record used, s; 64 at most.
     pub duration_s: f32,
-    /// The load in N, or what stands in the way.
+    /// The load in N, or the reason for none.
     pub load: Result<Load, Hindrance>,
 }
 
-/// A first answer as it is shown.
+/// First answer on a slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct About {
-    /// The newest sample when it was known.
+    /// Index of the newest sample when the answer was known.
     pub index: u32,
     /// The coefficients so far.
     pub answer: Provisional,
 }
 
 impl About {
-    /// Is that event the slip that this was about, or a later one? The event of the
-    /// slip before comes later than the first answer on this one.
+    /// Whether the event is the slip of this answer or a later one. The event of the previous slip
+    /// can come after the first answer on this one.
     #[must_use]
     pub fn is_followed_by(&self, event: &Event) -> bool {
-        // The shortest slip ends within the period before its first sample off the
-        // line, and that one is believed when the next sample is no spike.
+        // The shortest slip ends within the period before its first sample off the line, and that
+        // sample is accepted when the next one is no spike.
         const LATEST: u32 = 2;
         event.stop.index.saturating_add(LATEST) >= self.index
     }
@@ -150,11 +149,11 @@ impl About {
 pub struct Health {
     /// Samples since power-up.
     pub samples: u32,
-    /// Samples lost because the main loop was away too long.
+    /// Samples lost because the main loop was too slow to fetch them.
     pub overruns: u32,
-    /// Most samples that ever waited in the queue.
+    /// Largest number of samples that ever waited in the queue.
     pub deepest: u32,
-    /// Readings that the converter owed.
+    /// Readings that the converter failed to deliver.
     pub adc_faults: u32,
     /// Readings at full scale.
     pub saturated: u32,
@@ -168,13 +167,13 @@ pub struct Health {
     pub store_failures: u32,
 }
 
-/// The mean of a number of readings.
+/// The mean of several readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mean {
     /// What was measured.
     pub input: Input,
-    /// How many codes.
+    /// Number of codes.
     pub count: u32,
     /// Readings that failed.
     pub failed: u32,
@@ -182,20 +181,20 @@ pub struct Mean {
     pub mean: f32,
     /// Standard deviation of the codes.
     pub deviation: f32,
-    /// Different codes among them.
+    /// Number of distinct codes.
     pub different: u32,
 }
 
-/// Why a line is not one of ours.
+/// Why a text is not a line of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LineError {
-    /// No `*HHHH` at its end.
+    /// The text does not end with `*HHHH`.
     NoChecksum,
-    /// The checksum is another.
+    /// The checksum does not match.
     Checksum,
-    /// A kind that this version does not know.
+    /// A kind unknown to this version.
     UnknownKind,
-    /// A field is missing or not what it should be.
+    /// A field is missing or has a wrong form.
     Field,
 }
 

@@ -1,4 +1,4 @@
-//! Text to values: the host's half.
+//! Parsing of lines, used by the host.
 
 use crate::weighing::{Load, Swing};
 use floe_core::{
@@ -14,10 +14,10 @@ use crate::notebook::Notes;
 use crate::settings::{Effects, Settings, Stds, Zero};
 
 impl<'a> Line<'a> {
-    /// Reads a line back; its end (CR, LF, spaces) may be there or not.
+    /// Parses a line, with or without its end (CR, LF, spaces).
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The defect of the line.
     pub fn parse(text: &'a str) -> Result<Self, LineError> {
         let (body, sum) = text.trim_end().rsplit_once('*').ok_or(LineError::NoChecksum)?;
         let sum = u16::from_str_radix(sum, 16).map_err(|_| LineError::NoChecksum)?;
@@ -205,7 +205,7 @@ fn report(from: &mut Reader<'_>) -> Result<Report, LineError> {
     Ok(report)
 }
 
-/// What lines of older boards end before.
+/// Reads the uncertainties, which lines of older boards lack.
 fn uncertainty(from: &mut Reader<'_>, report: &mut Report) -> Result<(), LineError> {
     for estimate in [&mut report.mu_s, &mut report.mu] {
         let all = (from.take_late()?, from.take_late()?, from.take_late()?);
@@ -256,7 +256,7 @@ fn stretch(from: &mut Reader<'_>) -> Result<Stretch, LineError> {
 fn estimate(from: &mut Reader<'_>) -> Result<Option<Estimate>, LineError> {
     let (mean, std_error) = (from.take_some()?, from.take_some()?);
     let (spread, events) = (from.take_some()?, from.take_some()?.unwrap_or(0));
-    // What older boards do not tell: as if it were nothing, known for certain.
+    // Lines of older boards lack these; the values mean no uncertainty.
     let (freedom, systematic_std, common_std) = (f32::INFINITY, 0.0, 0.0);
     Ok(mean.map(|mean| Estimate {
         mean,

@@ -1,4 +1,4 @@
-//! Every line returns as it was.
+//! Every line survives formatting and parsing unchanged.
 
 use super::*;
 use crate::notebook::{Kind, Notes, Track, WeightFrom};
@@ -68,7 +68,7 @@ fn a_sample_returns_as_it_was() {
             rate_n_per_s,
         }));
     }
-    // As boards said it before they had a rate.
+    // A line of a board without the rate.
     let text = "S,17,612.5,good,stick,0";
     let text = format!("{text}*{:04X}", checksum(text));
     let Ok(Line::Sample(sample)) = Line::parse(&text) else { panic!("{text}") };
@@ -85,7 +85,7 @@ fn a_weighing_returns_as_it_was() {
     }
 }
 
-/// No number has more characters.
+/// No `f32` has a longer text.
 const LONG: f32 = f32::from_bits(0x83b2_83b2);
 
 fn longest_report() -> Report {
@@ -207,7 +207,7 @@ fn what_is_told_through_a_test_returns_as_it_was() {
     }
 }
 
-/// Lines of older boards end before what was added.
+/// Lines of older boards lack the fields added since.
 #[test]
 fn settings_of_an_older_board_are_read() {
     let text = "T,3,DFF8-13,16,630,0.0349,0.016,,0,429.5,-8388608,8388607";
@@ -219,7 +219,7 @@ fn settings_of_an_older_board_are_read() {
 
 #[test]
 fn the_longest_lines_have_room() {
-    // Every number is as long as any.
+    // Sets every number to the longest text.
     let longest = Decimal(LONG).to_string().len();
     for bits in (0..u32::MAX).step_by(65_537) {
         assert!(Decimal(f32::from_bits(bits)).to_string().len() <= longest, "{bits:x}");

@@ -1,4 +1,4 @@
-//! Values to text.
+//! Formatting of lines.
 
 use core::fmt;
 
@@ -13,10 +13,10 @@ use crate::settings::Settings;
 use crate::text::{Hex, Out, Show};
 
 impl Line<'_> {
-    /// The line without its end, checksum included.
+    /// The line with its checksum, without its end.
     ///
     /// # Errors
-    /// The line is too long, which only a long text can be.
+    /// The line is too long, which only a long text can cause.
     pub fn to_text(&self) -> Result<Text, fmt::Error> {
         let mut text = Text::new();
         let mut out = Writer(Out::new(&mut text));
@@ -99,7 +99,7 @@ fn start(out: &mut Writer<'_>, run: u32, settings: &Settings) {
     around(out, settings);
 }
 
-/// What is around the computation of a test.
+/// Writes the settings outside the core's basic configuration: uncertainties, zero, notes, effects.
 fn around(out: &mut Writer<'_>, settings: &Settings) {
     let Settings { effects, stds, weight_from, zero, notes, .. } = settings;
     out.put_some_word(*weight_from);
@@ -175,7 +175,8 @@ fn coefficient(out: &mut Writer<'_>, value: Option<Coefficient>) {
     out.put_some_f32(value.map(|c| c.std));
 }
 
-/// Later than the coefficient: it came with a later version.
+/// Writes the systematic standard deviation, apart from its coefficient because a later version
+/// added it.
 fn systematic(out: &mut Writer<'_>, value: Option<Coefficient>) {
     out.put_some_f32(value.map(|c| c.systematic_std));
 }
@@ -223,7 +224,7 @@ fn change(out: &mut Writer<'_>, change: &Change) {
     out.put_f32(change.weight_ratio_std);
 }
 
-/// A stretch that was not understood has its reason first, a steady one nothing.
+/// Writes a stretch; the first field is the reason it was not understood, empty for a steady one.
 fn stretch(out: &mut Writer<'_>, stretch: &Stretch) {
     let (reason, steady) = match stretch.kind {
         StretchKind::NotUnderstood(reason) => (Some(reason), None),

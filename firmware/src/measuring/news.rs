@@ -1,4 +1,4 @@
-//! What is said while something is measured.
+//! Messages during a measurement.
 
 use super::Span;
 use crate::line::{Decimal, Text};
@@ -6,16 +6,17 @@ use crate::settings::Settings;
 use crate::text::{Fixed, join};
 use crate::weighing::{Load, Rest};
 
-/// Weights that disagree by less, as a part, say more of the weights than of the cell.
+/// Largest deviation of a weight from the line relative to the largest weight; more points to wrong
+/// weights rather than the cell.
 const AGREE: f32 = 2e-3;
-/// A known weight below this part of the range gives the span of its corner only.
+/// Fraction of the range below which the largest weight causes a warning.
 const FEW: f32 = 0.05;
-/// A zero that moves by more than this part of the range has something hanging on it.
+/// Fraction of the range above which a change of the zero suggests a load on the hook.
 const LOADED: f32 = 0.02;
-/// The span of a cell does not double.
+/// Usual ratio of a new span to the previous one: the span of a cell does not double.
 const USUAL: core::ops::Range<f32> = 0.5..2.0;
 
-/// The zero, and whether something hangs there.
+/// Message on the zero, with a warning if the hook seems loaded.
 pub(super) fn tare(rest: &Rest, settings: &Settings) -> Text {
     let calibration = &settings.config.calibration;
     let moved_n = (rest.mean - calibration.tare_counts as f32) / calibration.counts_per_n;
@@ -39,7 +40,7 @@ pub(super) fn tare(rest: &Rest, settings: &Settings) -> Text {
     ])
 }
 
-/// The span, and what is odd about it.
+/// Message on the span, with a warning if it is implausible.
 pub(super) fn span(span: Span, load: &Load, settings: &Settings) -> Text {
     let Span { counts_per_n, std, residual_n, largest_n } = span;
     let before = settings.config.calibration.counts_per_n;

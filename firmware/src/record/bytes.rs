@@ -1,8 +1,8 @@
-//! Little-endian numbers at places in a sector.
+//! Little-endian numbers at consecutive positions in a sector.
 
 use super::Sector;
 
-/// Writes at a place that moves on; beyond the end nothing happens.
+/// Writes at an advancing position; beyond the end nothing is written.
 pub(super) struct Writer<'a> {
     pub bytes: &'a mut Sector,
     pub at: usize,
@@ -24,12 +24,12 @@ impl Writer<'_> {
         self.put(value.to_le_bytes());
     }
 
-    /// All ones is unknown.
+    /// Writes `None` as all ones.
     pub fn put_some_u32(&mut self, value: Option<u32>) {
         self.put_u32(value.unwrap_or(u32::MAX));
     }
 
-    /// All ones, which is no number, is unknown.
+    /// Writes `None` as all ones, which is a NaN.
     pub fn put_some_f32(&mut self, value: Option<f32>) {
         self.put_some_u32(value.map(f32::to_bits));
     }
@@ -38,15 +38,14 @@ impl Writer<'_> {
         self.put(value.unwrap_or(u64::MAX).to_le_bytes());
     }
 
-    /// The place of a value among all of its kind.
+    /// Writes the index of a value in the list of all values.
     pub fn put_choice<T: PartialEq>(&mut self, all: &[(T, &str)], value: Option<T>) {
         let place = all.iter().position(|(one, _)| Some(one) == value.as_ref());
         self.put([place.map_or(u8::MAX, |place| place as u8)]);
     }
 }
 
-/// Reads at a place that moves on; at the end and beyond there are ones, which is
-/// what an unknown value is written as.
+/// Reads at an advancing position. Beyond the end it reads ones, the encoding of an unknown value.
 pub(super) struct Reader<'a> {
     pub bytes: &'a Sector,
     pub at: usize,
@@ -77,7 +76,7 @@ impl Reader<'_> {
         Some(self.u32()).filter(|&value| value != u32::MAX)
     }
 
-    /// In its place: there are many, and each would travel.
+    /// Reads into a place, which avoids many copies.
     #[inline(never)]
     pub fn some_f32(&mut self, place: &mut Option<f32>) {
         *place = Some(self.f32()).filter(|value| !value.is_nan());

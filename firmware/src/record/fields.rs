@@ -1,4 +1,4 @@
-//! The fields of a sector, there and back.
+//! Encoding and decoding of a sector's fields.
 
 use floe_core::{Calibration, Config, Counts};
 use heapless::String;
@@ -11,7 +11,7 @@ use crate::notebook::{Kind, Track, WeightFrom};
 use crate::sample::Sample;
 use crate::settings::{NAME_LEN, Settings};
 
-/// Every version has these: bytes 8 to 84.
+/// Writes bytes 8 to 84, which exist in every version.
 pub(super) fn put_first(out: &mut Writer<'_>, record: &Record) {
     let Record { sector, part, clock_hz, overruns, adc_faults, settings, .. } = record;
     let numbers = [*sector, part.run, part.first_index, *clock_hz, *overruns, *adc_faults];
@@ -22,22 +22,22 @@ pub(super) fn put_first(out: &mut Writer<'_>, record: &Record) {
     out.put(name);
 }
 
-/// Text of one byte a letter, as a console takes and gives it.
+/// Appends ASCII bytes to a text; `None` if another byte occurs or the room ends.
 #[inline(never)]
 fn ascii_into(text: &mut StringView, bytes: &[u8]) -> Option<()> {
     let put = |byte: &u8| text.push(char::from(*byte)).ok().filter(|()| byte.is_ascii());
     bytes.iter().try_for_each(put)
 }
 
-/// `None`: there is no room, or another letter.
+/// A text of ASCII bytes; `None` if another byte occurs or the room is too small.
 pub(super) fn ascii<const N: usize>(bytes: &[u8]) -> Option<String<N>> {
     let mut text = String::new();
     ascii_into(&mut text, bytes).map(|()| text)
 }
 
-// This and the next on their own: places in a record are nearer to its beginning than to
-// that of a stack.
-/// `None`: the name is none.
+// This function and the next are not inlined: fields then have small offsets from the record
+// instead of large ones from the stack pointer.
+/// Reads bytes 8 to 84; `None` if the name is invalid.
 #[inline(never)]
 pub(super) fn take_first(from: &mut Reader<'_>, record: &mut Record) -> Option<()> {
     record.sector = from.u32();
@@ -53,7 +53,7 @@ pub(super) fn take_first(from: &mut Reader<'_>, record: &mut Record) -> Option<(
     Some(())
 }
 
-/// What version 2 added.
+/// Writes the fields added in version 2.
 pub(super) fn put_second(out: &mut Writer<'_>, record: &Record) {
     let Record { part, settings, running, .. } = record;
     let Settings { effects, stds, weight_from, zero, notes, .. } = settings;
@@ -89,7 +89,7 @@ pub(super) fn take_second(from: &mut Reader<'_>, record: &mut Record) {
     part.start_ms = from.some_u64();
     part.number = from.some_u32().unwrap_or(0);
     let gap = from.some_u32();
-    // There is nothing before the first part.
+    // No sampling period is lost before the first part.
     part.gap = if part.number == 0 { Some(0) } else { gap };
     effects.enabled = from.some_u32();
     effects.compiled = from.some_u32();
@@ -109,7 +109,7 @@ pub(super) fn take_second(from: &mut Reader<'_>, record: &mut Record) {
     from.some_f32(&mut stds.winch_m_per_s);
 }
 
-/// The winch's speed and the cell's range have always been zero when unknown.
+/// Writes the core's configuration; winch speed and range are 0 if unknown.
 fn put_config(out: &mut Writer<'_>, config: &Config) {
     out.put_f32(config.rate_hz);
     out.put_f32(config.weight_n);
@@ -123,7 +123,8 @@ fn put_config(out: &mut Writer<'_>, config: &Config) {
     out.put_f32(calibration.counts_per_n);
 }
 
-/// The rest of it is in no sector: see `Settings::core_config`.
+/// Reads the core's configuration. Its other values are not stored; `Settings::core_config` sets
+/// them.
 fn take_config(from: &mut Reader<'_>, config: &mut Config) {
     let known = |value: f32| (value != 0.0).then_some(value);
     config.rate_hz = from.f32();

@@ -1,12 +1,11 @@
-//! The log on the card: sectors of 512 bytes that each stand alone.
+//! The log on the card: sectors of 512 bytes, each readable without the others.
 //!
-//! A sector holds eight samples (half a second), what identifies their test for
-//! ever, everything that they were computed with, the counters, and what was said
-//! meanwhile as text (the events among it). Its last four bytes are the CRC-32 of the
-//! others, its number is its place in the file. A torn or lost sector costs its own
-//! half second, no more.
+//! A sector holds eight samples (half a second), the identity of their test, all settings of the
+//! computation, counters, and the messages of that time as text, including events. Its last four
+//! bytes are the CRC-32 of all others; its number is its position in the file. A torn or lost
+//! sector costs its own half second only.
 //!
-//! | at | what (little endian) |
+//! | at | contents (little endian) |
 //! |---|---|
 //! | 0 | `FLOE`, version, number of samples, length of the text (u16) |
 //! | 8 | sector, run, first index of the part, clock in Hz, overruns, faults (u32) |
@@ -14,7 +13,7 @@
 //! | 52 | tare, lowest, highest code (i32), codes per newton (f32) |
 //! | 68 | name, 16 bytes |
 //! | 84 | length of the header (u16), 1 while a test runs, source of the weight, kind, track (u8), 2 spare |
-//! | 92 | identity of the test, start of the test in Unix ms (u64) |
+//! | 92 | identity of the test, start of the part in Unix ms (u64) |
 //! | 108 | part, sampling periods lost before it (u32) |
 //! | 116 | effects looked for, effects compiled in (u32) |
 //! | 124 | standard deviations: weight, slope, zero, span, damping (f32) |
@@ -25,9 +24,9 @@
 //! | 276 | text |
 //! | 508 | CRC-32 (ISO-HDLC) |
 //!
-//! Samples begin where the header ends, and the text 96 bytes later. All ones is
-//! unknown, and a header that ends earlier says nothing of the rest: so a header can
-//! grow, readers skip what they do not know, and version 1 is one of 84 bytes.
+//! Samples begin at the end of the header, the text 96 bytes later. All ones means unknown, and
+//! fields beyond the end of a shorter header are unknown. A header can therefore grow, and readers
+//! skip fields that they do not know. The header of version 1 has 84 bytes.
 
 mod bytes;
 mod fields;
@@ -42,51 +41,50 @@ use crate::settings::Settings;
 use crate::wall_clock::WallClock;
 use bytes::{Reader, Writer};
 
-/// Bytes in a sector of any card.
+/// Bytes in a sector, and in a block of any card.
 pub const SECTOR_LEN: usize = 512;
 /// Samples in a sector.
 pub const SECTOR_SAMPLES: usize = 8;
-/// Room for text.
+/// Room for text, bytes.
 pub const TEXT_LEN: usize = CRC_AT - HEADER_LEN - SAMPLES_LEN;
-/// Room for text in version 1, and for all that was ever written.
+/// Room for the text of any version, bytes; version 1 has the most.
 const LONGEST_TEXT: usize = CRC_AT - FIRST_LEN - SAMPLES_LEN;
 
-/// Version of this layout.
+/// Version of the layout.
 pub const VERSION: u8 = 2;
-/// What every sector begins with.
+/// First bytes of every sector.
 pub const MAGIC: [u8; 4] = *b"FLOE";
 
-/// The header of version 1.
+/// Length of the header in version 1, bytes.
 const FIRST_LEN: usize = 84;
 const HEADER_LEN: usize = 180;
 const SAMPLES_LEN: usize = 12 * SECTOR_SAMPLES;
 const CRC_AT: usize = SECTOR_LEN - 4;
 
-/// A sector as it is on the card.
+/// The bytes of a sector.
 pub type Sector = [u8; SECTOR_LEN];
 
-/// An unbroken part of a test: a reset or a power cut ends one, and the next begins.
+/// A part of a test without interruption: a reset or a loss of power ends it, and the next one
+/// begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// Identity of the test, made when it was started: no other has it. `None` in
-    /// logs of version 1.
+    /// Unique identity of the test, created at its start. `None` in logs of version 1.
     pub id: Option<u64>,
-    /// Number of the test on its card, from 1; of the last one when there are no
-    /// samples.
+    /// Number of the test on its card, from 1; in a sector without samples that of the last test.
     pub run: u32,
     /// Number of the part, from 0.
     pub number: u32,
-    /// Sampling periods lost between the part before and this one; `None` if no
-    /// clock could tell.
+    /// Sampling periods lost between the previous part and this one; `None` if no clock measured
+    /// them.
     pub gap: Option<u32>,
     /// Index of the first sample of the part.
     pub first_index: u32,
-    /// When the test was started, ms since 1970 (UTC), if the board knew.
+    /// Start of the part's first sample, ms since 1970 (UTC), if known.
     pub start_ms: Option<u64>,
 }
 
 impl Default for Part {
-    /// No test yet.
+    /// No test yet, nothing lost.
     fn default() -> Self {
         Self { id: None, run: 0, number: 0, gap: Some(0), first_index: 0, start_ms: None }
     }
@@ -95,20 +93,20 @@ impl Default for Part {
 /// The content of a sector.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
-    /// Place in the file.
+    /// Number of the sector in the file.
     pub sector: u32,
-    /// Whose samples these are.
+    /// Part of the test that the samples belong to.
     pub part: Part,
-    /// Whether the test was running when the sector was written: not in its last
-    /// sector, nor between tests.
+    /// Whether the test was still running when the sector was written; false in its last sector and
+    /// between tests.
     pub running: bool,
-    /// Ticks per second of the stamps.
+    /// Ticks per second of the samples' stamps.
     pub clock_hz: u32,
-    /// Samples lost since power-up because nobody fetched them.
+    /// Samples since power-up that were lost because the queue was full.
     pub overruns: u32,
-    /// Readings since power-up that the converter owed.
+    /// Readings since power-up that the converter failed to deliver.
     pub adc_faults: u32,
-    /// What the test is computed with.
+    /// Settings of the test.
     pub settings: Settings,
     /// The samples.
     pub samples: Vec<Sample, SECTOR_SAMPLES>,
@@ -121,9 +119,9 @@ pub struct Record {
 pub enum RecordError {
     /// Never written: all zero.
     Empty,
-    /// Something else, or torn.
+    /// Checksum or magic is wrong: a torn sector, or other data.
     Corrupt,
-    /// The checksum is right, the content is none that a logger writes.
+    /// The checksum is right, but a logger does not write such values.
     Unsound,
     /// Written by a newer version.
     Version(u8),
@@ -143,7 +141,7 @@ impl fmt::Display for RecordError {
 impl core::error::Error for RecordError {}
 
 impl Record {
-    /// The sector to write.
+    /// The bytes of the record.
     #[must_use]
     pub fn encode(&self) -> Sector {
         let mut sector = [0; SECTOR_LEN];
@@ -165,10 +163,10 @@ impl Record {
         sector
     }
 
-    /// Reads a sector back.
+    /// Decodes a sector.
     ///
     /// # Errors
-    /// It is empty, damaged, of a newer version, or none of a logger's.
+    /// The sector is empty, damaged, of a newer version, or not from a logger.
     pub fn decode(sector: &Sector) -> Result<Self, RecordError> {
         if sector.iter().all(|&byte| byte == 0) {
             return Err(RecordError::Empty);
@@ -190,7 +188,7 @@ impl Record {
         Self::read(from, samples, text_len).ok_or(RecordError::Unsound)
     }
 
-    /// When its last sample was taken, ms since 1970 (UTC), if the board knew.
+    /// Time of the record's last sample, ms since 1970 (UTC), if known.
     #[must_use]
     pub fn last_ms(&self) -> Option<u64> {
         let mut clock = WallClock::default();

@@ -1,35 +1,34 @@
-//! What hangs there, without what its swing adds.
+//! The load on the hook, corrected for its swing.
 
 use floe_core::num::math::{atan2, hypotenuse, sqrt};
 
 use super::{Rest, Unrest};
 
-/// `sin²(A/2)` of the widest swing, 15 degrees: up to there the series holds to 0.001 %.
+/// `sin²(A/2)` of the largest amplitude, 15 degrees; up to it the series is accurate to 0.001 %.
 const WIDEST: f32 = 0.017;
-/// Rounds of excess from load and load from excess; each gains two digits.
+/// Iterations between excess and load; each gains two digits.
 const ROUNDS: u32 = 3;
 
 /// A load on the hook, in the unit of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
-    /// What hangs there, the excess of its swing taken off; negative if the readings fall
-    /// when something is hung there.
+    /// The mean minus the excess of the swing; negative if the readings fall under a load.
     pub value: f32,
-    /// One standard deviation: the mean's, the excess's, and what a swing that is not seen
-    /// may add. Not the zero's and not the span's.
+    /// Standard deviation from the mean, the excess and an undetected swing; without those of zero
+    /// and span.
     pub std: f32,
-    /// The swing, if it is seen.
+    /// The swing, if one is detected.
     pub swing: Option<Swing>,
 }
 
 /// A swing in a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swing {
-    /// Period, there and back, s.
+    /// Full period of the swing, s.
     pub period_s: f32,
-    /// Largest angle, rad; a damped one's mean over the record.
+    /// Amplitude, rad; its mean over the record if it decays.
     pub amplitude_rad: f32,
-    /// What it added to the mean, about `A²/4` of the load, in the unit of the readings.
+    /// Increase of the mean by the swing, about `A²/4` of the load, in the unit of the readings.
     pub excess: f32,
 }
 
@@ -37,12 +36,12 @@ impl Rest {
     /// The load above a zero.
     ///
     /// # Errors
-    /// [`Unrest::Moves`] if it swings by more than 15 degrees, or is no hanging load.
+    /// [`Unrest::Moves`] if the swing exceeds 15 degrees, or is not that of a hanging load.
     pub fn load(&self, zero: f32) -> Result<Load, Unrest> {
         let mean = self.mean - zero;
         let oscillation = self.oscillation;
         if !oscillation.is_seen {
-            // Anything from nothing to the strongest that was found.
+            // The swing may have any strength from none to that of the strongest oscillation found.
             let unseen = oscillation.amplitude / 3.0 * UNIFORM;
             return Ok(Load { value: mean, std: hypotenuse(self.std, unseen), swing: None });
         }
@@ -57,11 +56,10 @@ impl Rest {
     }
 }
 
-/// Root of a third: standard deviation of what is anywhere between nothing and one, about
-/// nothing.
+/// `sqrt(1/3)`: root mean square of a uniform distribution from 0 to 1.
 const UNIFORM: f32 = 0.577;
 
-/// `sin²(A/2)` and the excess, from the mean and the amplitude: `amplitude = 3 k² load`,
+/// `k² = sin²(A/2)` and the excess, from mean and amplitude: `amplitude = 3 k² load`,
 /// `excess = (k² - 3/8 k⁴) load`, from the elliptic integrals of a pendulum.
 fn excess(mean: f32, amplitude: f32) -> Option<(f32, f32)> {
     let (mut k2, mut excess) = (0.0, 0.0);

@@ -1,19 +1,19 @@
-//! The mean of a load at rest: a block on the tripod, the empty hook, a known weight.
+//! Mean of a load at rest: a block on the tripod, the empty hook, a known weight.
 //!
-//! Readings go in one by one, in newtons or in codes; means of a quarter of a second are
-//! kept for the last 64 s. A line and one sine are fitted to them together, so the mean is
-//! that over whole periods wherever the record begins and ends.
+//! Readings are in newtons or codes; means over a quarter of a second are kept for the last 64 s. A
+//! line and one sine are fitted to them together, which gives the mean over whole periods for a
+//! record of any length.
 //!
-//! A swinging block weighs too much. With the angle `A cos(pi t / T)` of a pendulum of the
-//! period `2 T` the cell, which measures along the cable, feels
+//! The mean of a swinging block is too large. For a pendulum of period `2 T` at the angle
+//! `A cos(pi t / T)`, the cell, which measures along the cable, reads
 //!
 //! ```text
 //! F / W = 3 cos(angle) - 2 cos(A) = 1 + A²/4 - 3/4 A² cos(2 pi t / T) + ...
 //! ```
 //!
-//! so the excess of the mean is a third of the amplitude that is seen, and decays with it.
-//! What is not seen is a swing in a circle, where the force does not change: then the mean
-//! is too large by `A²/2` and nothing tells. Let the block swing in a plane, or calm it.
+//! The excess of the mean is therefore a third of the visible amplitude, and decays with it. A
+//! swing in a circle is not visible, because the force is constant: the mean is too large by `A²/2`
+//! without any sign. Let the block swing in a plane, or calm it.
 
 mod load;
 mod sine;
@@ -27,62 +27,64 @@ use sine::Fit;
 pub use window::MEANS;
 use window::Window;
 
-/// Means a second that are kept.
+/// Means kept per second.
 const BLOCKS_PER_S: f32 = 4.0;
-/// Shortest record that gives an answer, s.
+/// Shortest record with a result, s.
 const SHORTEST_S: f32 = 8.0;
-/// A slope so many standard deviations from zero is one: by chance in one of a million.
+/// Standard deviations from zero above which a slope is significant: by chance one in a million.
 const SURE: f32 = 5.0;
-/// A drift over the record that matters, as a part of the mean: half of what a weighing
-/// of 0.02 % may be off.
+/// Smallest drift over the record that matters, relative to the mean: half of the error allowed for
+/// a weighing to 0.02 %.
 const DRIFT_THAT_MATTERS: f32 = 1e-4;
 
-/// Neighbouring means of a load that rests are hardly correlated; of one that is pulled,
-/// carried or leant on they are, by more than this and by four of its standard deviations.
+/// Smallest correlation of neighbouring means of a load that is pulled, carried or leant on: the
+/// first value, and the second in its standard deviations. Means of a load at rest are nearly
+/// uncorrelated.
 const MOVED: (f32, f32) = (0.5, 4.0);
-/// What is moved matters when it makes the mean so uncertain, as a part of it.
+/// Smallest relative standard deviation of the mean at which such a movement matters.
 const MOVE_THAT_MATTERS: f32 = 1e-3;
 
-/// Readings of which one mean is kept, at so many a second.
+/// Number of readings in one mean, at a sampling rate in Hz.
 #[must_use]
 pub fn readings_a_mean(rate_hz: f32) -> u32 {
     ((rate_hz / BLOCKS_PER_S + 0.5) as u32).max(1)
 }
 
-/// Averages the readings of a load that rests or swings.
+/// Averages the readings of a load at rest or swinging.
 #[derive(Clone, Debug)]
 pub struct Weighing {
     window: Window,
 }
 
-/// A load at rest. Forces are in the unit of the readings.
+/// Result for a load at rest. Forces are in the unit of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest {
-    /// Mean over the record, what a swing adds included.
+    /// Mean over the record, including the excess of a swing.
     pub mean: f32,
-    /// One standard deviation of the mean, from the readings' own scatter.
+    /// Standard deviation of the mean, from the scatter of the readings.
     pub std: f32,
-    /// Standard deviation of a reading about the fit, as averaged over a quarter of a second.
+    /// Standard deviation about the fit, of readings averaged over a quarter of a second.
     pub scatter: f32,
-    /// The strongest oscillation, seen or not.
+    /// The strongest oscillation, detected or not.
     pub oscillation: Oscillation,
-    /// Length of the record that was used, s; 64 at most.
+    /// Length of the record used, s; 64 at most.
     pub duration_s: f32,
 }
 
-/// Why there is no answer.
+/// Why there is no result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unrest {
-    /// Shorter than 8 s, or readings were missing for a quarter of a second lately.
+    /// The record is shorter than 8 s, or was interrupted by a quarter of a second without a
+    /// reading.
     Short,
-    /// The force rises or falls: its slope, unit of the readings a second.
+    /// The force rises or falls; its slope in the unit of the readings per second.
     Drifts(f32),
-    /// It moves otherwise than a block that swings by up to 15 degrees.
+    /// The load moves in another way than by a swing of up to 15 degrees.
     Moves,
 }
 
 impl Weighing {
-    /// Of readings at so many a second, 1 to 2000.
+    /// Starts with readings at a rate of 1 to 2000 Hz.
     #[must_use]
     pub fn new(rate_hz: f32) -> Self {
         Self { window: Window::new(readings_a_mean(rate_hz), rate_hz) }
@@ -99,11 +101,11 @@ impl Weighing {
         self.window.len() as f32 * self.window.block_s()
     }
 
-    /// The mean and its standard deviation; costs as much as some hundred thousand
-    /// readings, so ask once a second.
+    /// The mean and its standard deviation. Costs as much as some hundred thousand readings: call
+    /// it once a second.
     ///
     /// # Errors
-    /// The load does not rest, or not for long enough.
+    /// The load is not at rest, or the record is too short.
     pub fn rest(&self) -> Result<Rest, Unrest> {
         if self.duration_s() < SHORTEST_S {
             return Err(Unrest::Short);

@@ -1,50 +1,51 @@
-//! A line and one sine of unknown frequency through a window of means.
+//! Least-squares fit of a line and one sine of unknown frequency to a window of means.
 //!
-//! Time runs from the middle of the window, so that cosine and mean go together, and sine
-//! and slope, but not the one pair with the other: two equations of two unknowns each.
+//! Time is zero at the middle of the window. The even functions (mean and cosine) are then
+//! orthogonal to the odd ones (slope and sine), so the fit is two systems of two equations.
 
 use floe_core::num::math::{hypotenuse, larger, sin_cos, smaller, sqrt};
 
 use super::window::Window;
 
-/// Lowest and highest frequency looked for, Hz: a block swings at half of it, with a
-/// period of 1.25 to 6.7 s, on 0.4 to 11 m of cable.
+/// Lowest and highest frequency of the force, Hz. A block swings at half of it: a period of 1.25 to
+/// 6.7 s, on 0.4 to 11 m of cable.
 const FREQUENCIES_HZ: (f32, f32) = (0.3, 1.6);
-/// Periods that the window has to hold.
+/// Smallest number of periods in the window.
 const FEWEST_PERIODS: f32 = 2.5;
-/// Part of the sampling frequency of the means up to which a sine is looked for.
+/// Highest frequency, as a fraction of the sampling frequency of the means.
 const RESOLVED: f32 = 0.4;
-/// A sine is seen when its power is so many times the mean of what is left without it. Of
-/// white noise one window in 3000 has such a frequency: the chance at each of some 200
-/// frequencies tried is exp(-13.4), as the strongest one is missing from what is left.
+/// Ratio of a sine's power to the mean power of the residuals from which it is detected. One window
+/// in 3000 of white noise exceeds it: the chance at each of some 200 frequencies tried is
+/// exp(-13.4), as the strongest one is missing from the residuals.
 const SEEN: f32 = 15.0;
-/// Halvings of the step of frequency about the strongest one, half a line's width at first.
+/// Number of bisections of the frequency step around the strongest frequency, from half a line
+/// width.
 const REFINEMENTS: u32 = 8;
-/// Largest correlation of neighbours that is believed: a step left in the residuals has
-/// a larger one, and is to be seen as the drift it is.
+/// Largest correlation of neighbours taken into account. A step in the residuals correlates more,
+/// and must still be detected as drift.
 const LARGEST_CORRELATION: f32 = 0.8;
 const TURN_RAD: f32 = core::f32::consts::TAU;
 
 /// An oscillation of the force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Oscillation {
-    /// Period of the force, s: a swing has two of them.
+    /// Period of the force, s: half the period of the swing.
     pub period_s: f32,
-    /// Its amplitude, in the unit of the readings; a damped one's mean over the window.
+    /// Amplitude, in the unit of the readings; its mean over the window if it decays.
     pub amplitude: f32,
     /// One standard deviation of the amplitude.
     pub amplitude_std: f32,
-    /// Whether it stands out of the noise.
+    /// Whether it is detected above the noise.
     pub is_seen: bool,
 }
 
-/// The fit of a window. Times are in means.
+/// The fit to a window. Times are in units of the interval of the means.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit {
-    /// Mean, from the window's origin.
+    /// Mean, relative to the window's origin.
     pub(super) mean: f32,
     pub(super) mean_std: f32,
-    /// Slope, a mean.
+    /// Slope per interval.
     pub(super) slope: f32,
     pub(super) slope_std: f32,
     /// Variance of a mean about the fit.
@@ -54,28 +55,28 @@ pub(super) struct Fit {
     pub(super) oscillation: Oscillation,
 }
 
-/// Mean, slope and what is left, before any sine.
+/// Fit of the line alone.
 struct Line {
     len: f32,
     mean: f32,
     slope: f32,
     /// Sum of the squared times.
     tt: f32,
-    /// Sum of squares about the line.
+    /// Sum of squared residuals.
     squares: f32,
 }
 
-/// A sine beside the line: amplitudes of cosine and sine, and what they change.
+/// Fit of a sine in addition to the line: amplitudes of cosine and sine, and their effects.
 #[derive(Clone, Copy, Default)]
 struct Sine {
     cos: f32,
     sin: f32,
-    /// Change of the line.
+    /// Changes of the line's parameters.
     mean: f32,
     slope: f32,
-    /// By how much the sum of squares is smaller.
+    /// Decrease of the sum of squared residuals.
     gain: f32,
-    /// Weight of cosine and sine beside the line.
+    /// Weights of cosine and sine after the line's fit.
     cos_weight: f32,
     sin_weight: f32,
 }
@@ -87,7 +88,7 @@ impl Fit {
         let freedom = larger(line.len - 5.0, 1.0);
         let variance = larger(line.squares - sine.gain, 0.0) / freedom;
         let correlation = correlation(window, &line, step_rad, sine, variance * freedom);
-        // The variance of a mean of correlated numbers, over that of independent ones.
+        // Ratio of the variance of a mean of correlated values to that of independent ones.
         let believed = correlation.clamp(0.0, LARGEST_CORRELATION);
         let excess = (1.0 + believed) / (1.0 - believed);
         let is_seen = sine.gain > 2.0 * SEEN * variance * excess;
@@ -128,7 +129,7 @@ impl Line {
         Self { squares, ..line }
     }
 
-    /// Time of a mean from the middle.
+    /// Time of a mean, from the middle of the window.
     fn time(&self, index: u16) -> f32 {
         f32::from(index) - 0.5 * (self.len - 1.0)
     }
@@ -138,7 +139,7 @@ impl Line {
     }
 }
 
-/// The frequency that explains most, as angle a mean, and its sine.
+/// Frequency with the largest decrease of the residuals, as angle per interval, and its sine.
 fn strongest(window: &Window, line: &Line) -> (f32, Sine) {
     let step_hz = 1.0 / window.block_s();
     let length_s = line.len * window.block_s();
@@ -168,7 +169,7 @@ fn strongest(window: &Window, line: &Line) -> (f32, Sine) {
     best
 }
 
-/// Least squares of a sine beside the line.
+/// Least-squares fit of a sine in addition to the line.
 #[inline(never)]
 fn sine_at(window: &Window, line: &Line, step_rad: f32) -> Sine {
     let (turn_sin, turn_cos) = sin_cos(step_rad);
@@ -192,7 +193,7 @@ fn sine_at(window: &Window, line: &Line, step_rad: f32) -> Sine {
     Sine { cos, sin, mean, slope, gain: cos * yc + sin * ys, cos_weight, sin_weight }
 }
 
-/// Correlation of neighbours about the fit with its sine, seen or not.
+/// Correlation of neighbouring residuals of the fit with the sine, detected or not.
 fn correlation(window: &Window, line: &Line, step_rad: f32, sine: Sine, squares: f32) -> f32 {
     let residual = |(y, index): (f32, u16)| {
         let time = line.time(index);
@@ -209,7 +210,7 @@ fn correlation(window: &Window, line: &Line, step_rad: f32, sine: Sine, squares:
     if squares > 0.0 { products / squares } else { 0.0 }
 }
 
-/// Amplitude of a sine of amplitude one after the averaging of neighbouring readings.
+/// Amplitude of a unit sine after averaging over the readings of a mean.
 fn mean_of_a_sine(step_rad: f32, readings: u32) -> f32 {
     let (whole, _) = sin_cos(0.5 * step_rad);
     let (part, _) = sin_cos(0.5 * step_rad / readings as f32);

@@ -1,21 +1,21 @@
-//! The last 64 s as means of a quarter of a second.
+//! The last 64 s of readings, as means over a quarter of a second.
 
 use floe_core::num::math::larger;
 
-/// Means that are kept; an even number.
+/// Number of means kept; an even number.
 pub const MEANS: usize = 256;
 
-/// Means of groups of readings, the oldest forgotten.
+/// Means of consecutive groups of readings; the oldest are discarded.
 #[derive(Clone, Debug)]
 pub(super) struct Window {
     readings: u32,
     rate_hz: f32,
-    /// The first reading: means are kept as distances from it.
+    /// The first reading; means are stored relative to it.
     origin: Option<f32>,
     means: [f32; MEANS],
-    /// Groups since the window was last empty.
+    /// Complete groups since the window was last empty.
     blocks: u32,
-    /// The group being filled: readings, good ones among them, and their sum.
+    /// The incomplete group: readings, valid readings, and sum of the valid ones.
     taken: u32,
     good: u32,
     sum: f32,
@@ -27,8 +27,8 @@ impl Window {
         Self { readings, rate_hz, origin, means, blocks: 0, taken: 0, good: 0, sum: 0.0 }
     }
 
-    /// A group without a good reading empties the window: what happened meanwhile is not
-    /// known.
+    /// Takes a reading. A group without a valid reading empties the window, because the force
+    /// meanwhile is unknown.
     pub(super) fn add(&mut self, reading: Option<f32>) {
         if let Some(reading) = reading {
             let origin = *self.origin.get_or_insert(reading);
@@ -55,12 +55,12 @@ impl Window {
         self.blocks = self.blocks.wrapping_add(1);
     }
 
-    /// Means in the window, the newest ones: an even number.
+    /// Number of means in the window, which are the newest ones; an even number.
     pub(super) fn len(&self) -> usize {
         (self.blocks as usize).min(MEANS) & !1
     }
 
-    /// What all means are distances from.
+    /// Reference value to which all means are relative.
     pub(super) fn origin(&self) -> f32 {
         self.origin.unwrap_or(0.0)
     }
@@ -75,14 +75,14 @@ impl Window {
         self.readings
     }
 
-    /// The means in order, the oldest first.
+    /// The means, the oldest first.
     pub(super) fn means(&self) -> impl DoubleEndedIterator<Item = f32> + '_ {
         let first = self.blocks as usize - self.len();
         (first..self.blocks as usize).map(|i| self.means.get(i % MEANS).copied().unwrap_or(0.0))
     }
 
-    /// Pairs of means that are as far from the middle of the window, the middle ones first:
-    /// the later and the earlier one.
+    /// Pairs of means at equal distances from the middle of the window, the innermost first: the
+    /// later and the earlier one.
     pub(super) fn pairs(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
         let half = self.len() / 2;
         self.means().skip(half).zip(self.means().rev().skip(half))

@@ -1,4 +1,4 @@
-//! The whole board: who answers at an address, and what happens in between.
+//! The whole board: peripherals, chips on the buses, and the script of a run.
 
 mod access;
 #[cfg(test)]
@@ -30,22 +30,22 @@ use crate::wires::Wires;
 
 pub use access::BASES;
 
-/// The emulator, as far as the board needs it.
+/// The functions of the emulator that the board needs.
 pub trait Emulator: Memory {
     /// Emulated time, ns.
     fn now_ns(&self) -> u64;
-    /// An interrupt line goes up or down.
+    /// Sets the level of an interrupt line.
     fn set_interrupt(&mut self, number: u32, up: bool);
-    /// Time passes in which the program only asks the same again and again: up to this
-    /// time, ns, or the next thing that is due before.
+    /// Advances the time while the program only polls: to `when_ns`, or to the next event due
+    /// before.
     fn skip_to(&mut self, when_ns: u64);
-    /// [`Board::wake`] has to be called at that time, ns.
+    /// Requests a call of [`Board::wake`] at a time, ns.
     fn wake_at(&mut self, when_ns: u64);
-    /// The processor's stack pointer is here from now on.
+    /// Sets the processor's stack pointer.
     fn move_stack(&mut self, to: u32);
-    /// The processor starts again soon, and [`Board::restarted`] is called.
+    /// Requests a restart of the processor, after which [`Board::restarted`] is called.
     fn restart(&mut self);
-    /// The run is over.
+    /// Ends the run.
     fn finish(&mut self);
 }
 
@@ -71,11 +71,11 @@ pub struct Board {
     remote: Option<Remote>,
     clocks: Clocks,
     patience: Patience,
-    /// What has not happened yet, the next one last.
+    /// The script's remaining events; the next one is last.
     script: Vec<(When, Incident)>,
     /// A peripheral whose accesses fail.
     failing: Option<u32>,
-    /// Why the processor is about to start again.
+    /// Cause of the requested restart: reset flags and name.
     cause: Option<(u32, &'static str)>,
     lines_up: (bool, bool),
     waiting_for_tick: bool,
@@ -85,7 +85,7 @@ pub struct Board {
 }
 
 impl Board {
-    /// The power comes.
+    /// The board at power-up.
     ///
     /// # Errors
     /// The card's image or the port cannot be opened.
@@ -98,7 +98,7 @@ impl Board {
         let present = setup.card.as_ref().is_some_and(|card| card.present);
         let device = Device::new(Variant::C04, setup.load_cell(), setup.troubles.clone());
         let mut script = setup.script.clone();
-        // What comes at the same time comes in the order given.
+        // The order of simultaneous events is kept.
         script.reverse();
         Ok(Self {
             rules: Rules::default(),
@@ -131,13 +131,13 @@ impl Board {
         })
     }
 
-    /// Follows the clocks; those who count have to know of a change.
+    /// Passes a change of the clocks to the peripherals that count.
     fn follow_clocks(&mut self, now_ns: u64) {
         let clocks = self.rcc.clocks(now_ns);
         if clocks != self.clocks {
             let at = &mut At { now_ns, clocks: self.clocks, rules: &mut self.rules };
             self.tim2.rebase(at);
-            // The calendar counts with the old clock up to now, with the new one on.
+            // The calendar counts with the old clock until now, with the new one from now on.
             let at = &mut At { now_ns, clocks, rules: &mut self.rules };
             self.rtc.rebase(at);
             self.clocks = clocks;

@@ -10,7 +10,7 @@ const AFRL: u32 = 0x20;
 const AFRH: u32 = 0x24;
 const BRR: u32 = 0x28;
 
-/// Which port: they differ in what the debug pins are after a reset.
+/// Name of a port; the ports differ in their debug pins after a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Name {
     /// PA13 to PA15 are debug pins.
@@ -19,14 +19,14 @@ pub enum Name {
     B,
 }
 
-/// The port.
+/// The registers of a port.
 #[derive(Debug)]
 pub struct Gpio {
     registers: [u32; 12],
 }
 
 impl Gpio {
-    /// After a reset.
+    /// The state after a reset.
     #[must_use]
     pub fn new(name: Name) -> Self {
         let mut registers = [0; 12];
@@ -38,7 +38,7 @@ impl Gpio {
         Self { registers }
     }
 
-    /// Reads a register; `outside`: what the wires would be at if the port did nothing.
+    /// Reads a register; `outside`: levels of the wires if the port drives none.
     #[must_use]
     pub fn read(&self, offset: u32, outside: u32) -> u32 {
         if offset == IDR { self.levels(outside) } else { self.register(offset) }
@@ -69,14 +69,14 @@ impl Gpio {
         self.register(MODER) >> (2 * pin) & 0b11
     }
 
-    /// Whether a pin is given to this alternate function.
+    /// Whether a pin is assigned to this alternate function.
     #[must_use]
     pub fn has_function(&self, pin: u32, function: u32) -> bool {
         let register = if pin < 8 { AFRL } else { AFRH };
         self.mode(pin) == 2 && self.register(register) >> (4 * (pin % 8)) & 0xF == function
     }
 
-    /// Whether a pin only pulls down.
+    /// Whether a pin is open drain.
     #[must_use]
     pub fn is_open_drain(&self, pin: u32) -> bool {
         self.register(OTYPER) >> pin & 1 != 0

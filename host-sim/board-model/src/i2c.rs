@@ -1,4 +1,4 @@
-//! I2C1 as a master (RM0351, chapter 39), with every bit's time on the wire.
+//! I2C1 as a master (RM0351, chapter 39), with the timing of every bit.
 
 use crate::rules::At;
 
@@ -37,10 +37,10 @@ const BUSY: u32 = 1 << 15;
 /// The flags that ICR clears.
 const CLEARABLE: u32 = NACKF | STOPF | 1 << 8 | ARLO | 1 << 10;
 
-/// Fast mode; what is rounding is not a breach.
+/// Frequency limit of fast mode with a margin for rounding, Hz.
 const FASTEST_HZ: f64 = 400_500.0;
 
-/// The unit.
+/// The I2C peripheral.
 #[derive(Debug)]
 pub struct I2c {
     cr1: u32,
@@ -48,11 +48,11 @@ pub struct I2c {
     timing: u32,
     flags: u32,
     state: State,
-    /// Bytes of the transfer not yet on the wire or from it.
+    /// Bytes of the transfer that are still to come.
     left: u32,
     waiting: Option<u8>,
     received: Option<u8>,
-    /// When PE was cleared, until it has been read back.
+    /// Time at which PE was cleared, until it is read back.
     off_since_ns: Option<u64>,
 }
 
@@ -79,7 +79,7 @@ impl I2c {
         let on = self.cr1 & PE != 0;
         let wants = match self.state {
             State::WaitsForByte => true,
-            // The next one may already be asked for while a byte is on the wire.
+            // A new byte may be requested while one is on the wire.
             State::Writing(..) => self.left > 0,
             _ => false,
         };
@@ -197,7 +197,7 @@ impl I2c {
                 State::WaitsForByte
             };
         } else if transfer == State::Idle && value & STOP != 0 {
-            // Nothing to stop.
+            // There is no transfer to stop.
             self.cr2 &= !STOP;
         }
     }

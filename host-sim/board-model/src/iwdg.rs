@@ -11,18 +11,18 @@ const RELOAD: u32 = 0xAAAA;
 const UNLOCK: u32 = 0x5555;
 const START: u32 = 0xCCCC;
 
-/// The slow oscillator, Hz.
+/// Frequency of the low-speed oscillator, Hz.
 const LSI_HZ: f64 = 32_000.0;
-/// Periods of it that a register takes to arrive.
+/// Clock periods until a written register takes effect.
 const SYNC_PERIODS: f64 = 5.0;
 
-/// The watchdog. Nothing stops it but a reset.
+/// The watchdog. Only a reset stops it.
 #[derive(Debug)]
 pub struct Iwdg {
     prescaler: u32,
     reload: u32,
     unlocked: bool,
-    /// When the last register will have arrived, ns.
+    /// Time at which the last written register takes effect, ns.
     arrives_ns: u64,
     due_ns: Option<u64>,
 }
@@ -34,7 +34,7 @@ impl Default for Iwdg {
 }
 
 impl Iwdg {
-    /// When it will reset the chip, ns.
+    /// Time of the reset if the watchdog is not reloaded, ns.
     #[must_use]
     pub fn deadline_ns(&self) -> Option<u64> {
         self.due_ns
@@ -46,7 +46,7 @@ impl Iwdg {
         match offset {
             PR => self.prescaler,
             RLR => self.reload,
-            // Both values are under way, or none.
+            // The flags of both registers are set together.
             SR => u32::from(at.now_ns < self.arrives_ns) * 0b11,
             _ => 0,
         }

@@ -1,10 +1,10 @@
-//! A NUCLEO-L476RG for QEMU: the peripherals that its machine `b-l475e-iot01a` lacks,
-//! laid over it by a plugin, with a load cell on a converter, a display, a card and a
-//! console. The board's own image runs on it unchanged.
+//! A NUCLEO-L476RG for QEMU: a plugin adds the peripherals that QEMU's machine `b-l475e-iot01a`
+//! lacks, with a load cell on a converter, a display, a card and a console. The board's image runs
+//! on it unchanged.
 //!
-//! Each peripheral is a file, written from the reference manual RM0351, the data sheets
-//! and the SD specification, not from the firmware's drivers, and tested without QEMU.
-//! What those documents forbid is a breach: a run with any has failed.
+//! Each peripheral is a file, written from the reference manual RM0351, the data sheets and the SD
+//! specification instead of the firmware's drivers, and tested without QEMU. Behaviour that those
+//! documents forbid is recorded as a breach, and a breach fails the run.
 //!
 //! ```text
 //!  QEMU ◄─► qemu.rs ◄─► Board ─► tim2 lptim iwdg rtc usart rcc power gpio

@@ -13,13 +13,13 @@ const CNT: u32 = 0x1C;
 
 /// Autoreload match.
 const ARRM: u32 = 1 << 1;
-/// The new autoreload value has arrived.
+/// A written autoreload value is in effect.
 const ARROK: u32 = 1 << 4;
 const ENABLE: u32 = 1 << 0;
 const SNGSTRT: u32 = 1 << 1;
 const CNTSTRT: u32 = 1 << 2;
 
-/// Periods of its own clock that a register takes to arrive, and a start.
+/// Periods of the timer's clock until a written register or a start takes effect.
 const SYNC_PERIODS: f64 = 3.0;
 
 /// The timer.
@@ -32,18 +32,18 @@ pub struct Lptim {
     compare: u32,
     reload: u32,
     reload_arrives_ns: Option<u64>,
-    /// When it started and how many matches there were.
+    /// Time of the start, ns, and number of matches since.
     running: Option<(u64, u64)>,
 }
 
 impl Lptim {
-    /// Its clock's period after the prescaler, ns.
+    /// Period of the timer's clock after the prescaler, ns.
     fn period_ns(&self, at: &At<'_>) -> Option<f64> {
         let divider = f64::from(1 << (self.config >> 9 & 0b111));
         at.clocks.lptim_hz.map(|hz| divider * 1e9 / hz)
     }
 
-    /// When the next match is due, ns.
+    /// Time of the next match, ns.
     #[must_use]
     pub fn deadline_ns(&self, at: &At<'_>) -> Option<u64> {
         let (start_ns, matches) = self.running?;
@@ -51,7 +51,7 @@ impl Lptim {
         Some(start_ns + (periods * self.period_ns(at)?).round() as u64)
     }
 
-    /// Lets time pass.
+    /// Advances the timer to the current time.
     pub fn advance(&mut self, at: &mut At<'_>) {
         if self.reload_arrives_ns.is_some_and(|t| t <= at.now_ns) {
             self.reload_arrives_ns = None;
@@ -68,7 +68,7 @@ impl Lptim {
         }
     }
 
-    /// Whether the interrupt line is up.
+    /// Whether the interrupt line is active.
     #[must_use]
     pub fn interrupt(&self) -> bool {
         self.flags & self.interrupts != 0
@@ -124,7 +124,7 @@ impl Lptim {
 
     fn write_control(&mut self, value: u32, at: &mut At<'_>) {
         if value & ENABLE == 0 {
-            // Everything but the configuration starts from nothing.
+            // Disabling resets everything except configuration and interrupts.
             let (interrupts, config) = (self.interrupts, self.config);
             *self = Self { interrupts, config, ..Self::default() };
             return;

@@ -1,12 +1,12 @@
-//! Whether the program only waits.
+//! Detection of a program that polls.
 
-/// What the program asked last, if it has done nothing else since.
+/// Address and value of the program's last read.
 #[derive(Debug, Default)]
 pub struct Patience(Option<(u32, u32)>);
 
 impl Patience {
-    /// Notes that this was read there; whether the same was the answer just before.
-    /// Looks at the clock in between are not to be told.
+    /// Records a read; returns whether the previous read had the same address and value. The caller
+    /// leaves out reads of the clock.
     pub fn asks_again(&mut self, address: u32, answer: u32) -> bool {
         self.0.replace((address, answer)) == Some((address, answer))
     }

@@ -7,7 +7,7 @@ const DBP: u32 = 1 << 8;
 const FLASH_ACR: u32 = 0x00;
 const FLASH_OPTR: u32 = 0x20;
 
-/// PWR.
+/// The power control peripheral PWR.
 #[derive(Debug)]
 pub struct Pwr {
     registers: [u32; 0x18],
@@ -23,7 +23,7 @@ impl Default for Pwr {
 }
 
 impl Pwr {
-    /// Reads a register; the voltage is always where it was asked to be.
+    /// Reads a register; the regulator has always reached the requested voltage.
     #[must_use]
     pub fn read(&self, offset: u32) -> u32 {
         self.registers.get(offset as usize / 4).copied().unwrap_or(0)
@@ -31,7 +31,7 @@ impl Pwr {
 
     /// Writes a register.
     pub fn write(&mut self, offset: u32, value: u32, at: &mut At<'_>) {
-        // Range 2 is for 26 MHz, but with fewer wait states than are modelled.
+        // Range 2 allows 26 MHz, but with fewer wait states than are modelled.
         if offset == PWR_CR1 && value >> 9 & 0b11 != 0b01 {
             at.breach("PWR: a voltage range that this model does not have");
         }
@@ -47,7 +47,7 @@ impl Pwr {
     }
 }
 
-/// FLASH.
+/// The flash interface FLASH.
 #[derive(Debug)]
 pub struct Flash {
     access: u32,
@@ -65,13 +65,13 @@ impl Flash {
     pub fn read(&self, offset: u32) -> u32 {
         match offset {
             FLASH_ACR => self.access,
-            // As delivered: watchdogs started by software, running in stop modes.
+            // Factory value: watchdogs started by software, running in stop modes.
             FLASH_OPTR => 0xFFEF_F8AA,
             _ => 0,
         }
     }
 
-    /// Writes a register. Programming is not modelled: nobody should.
+    /// Writes a register. Programming is not modelled, because the firmware must not program.
     pub fn write(&mut self, offset: u32, value: u32, at: &mut At<'_>) {
         match offset {
             FLASH_ACR => self.access = value,
@@ -79,7 +79,7 @@ impl Flash {
         }
     }
 
-    /// Wait states.
+    /// Number of wait states.
     #[must_use]
     pub fn latency(&self) -> u32 {
         self.access & 0b111

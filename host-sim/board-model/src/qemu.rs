@@ -1,7 +1,7 @@
-//! QEMU's own functions, found by name in the program that has loaded this plugin.
+//! QEMU's internal functions, found by name in the program that has loaded this plugin.
 //!
-//! These are internals of QEMU 10, not its plugin interface: a QEMU without one of them
-//! is refused in one line. All `unsafe` code of the model is here.
+//! They belong to QEMU 10, not to its plugin interface; a QEMU without one of them is rejected with
+//! a message of one line. All `unsafe` code of the model is here.
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -12,7 +12,7 @@ use crate::board::{BASES, Board, Emulator};
 use crate::rtt::Memory;
 use crate::run::SETUP_FILE;
 
-/// Version of the plugin interface: that of QEMU 10.
+/// Version of the plugin interface of QEMU 10.
 #[unsafe(no_mangle)]
 pub static qemu_plugin_version: c_int = 4;
 
@@ -20,7 +20,7 @@ unsafe extern "C" {
     fn dlsym(handle: *mut c_void, name: *const c_char) -> *mut c_void;
 }
 
-/// What QEMU calls an opaque pointer.
+/// Opaque pointer to a structure of QEMU.
 type Pointer = *mut c_void;
 
 const VIRTUAL_CLOCK: c_int = 1;
@@ -28,11 +28,11 @@ const GUEST_RESET: c_int = 5;
 const HOST_QUIT: c_int = 3;
 const OK: u32 = 0;
 const BUS_ERROR: u32 = 1;
-/// Generous sizes for QEMU's own structures.
+/// Sizes of QEMU's structures, with a margin, bytes.
 const REGION_LEN: usize = 1024;
 const TIMER_LEN: usize = 512;
 const REGION_SIZE: u64 = 0x400;
-/// Entries of the accelerator's table, its head included, up to the clock's.
+/// Searched entries of the accelerator's function table, including its head and the clock.
 const TABLE_LEN: usize = 30;
 
 #[repr(C)]
@@ -82,11 +82,11 @@ macro_rules! functions {
         struct Qemu { $($name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)* }
 
         impl Qemu {
-            /// Looks all of them up.
+            /// Finds all functions.
             fn find() -> Result<Self, String> {
                 Ok(Self { $($name: {
                     let found = symbol(stringify!($name))?;
-                    // SAFETY: QEMU 10 declares a function of this name so.
+                    // SAFETY: QEMU 10 declares a function of this name with this signature.
                     unsafe { std::mem::transmute::<
                         Pointer, unsafe extern "C" fn($($argument),*) $(-> $result)?
                     >(found) }
@@ -139,24 +139,22 @@ struct Machine {
 // SAFETY: QEMU calls back with its big lock held, from one thread at a time.
 unsafe impl Send for Machine {}
 
-/// What the virtual clock is ahead of the instructions, because a program that waits was
-/// not made to ask for every one of its answers.
+/// Time skipped while the program polled, ns: the virtual clock is ahead of the instructions by it.
 static SKIPPED_NS: AtomicI64 = AtomicI64::new(0);
 static COUNTED_NS: OnceLock<unsafe extern "C" fn() -> i64> = OnceLock::new();
 
-/// The virtual clock from now on: instructions, and what was skipped.
+/// The new virtual clock: time of the instructions plus skipped time, ns.
 extern "C" fn virtual_clock() -> i64 {
-    // SAFETY: no condition.
+    // SAFETY: the function has no precondition.
     let counted_ns = COUNTED_NS.get().map_or(0, |count| unsafe { count() });
     counted_ns + SKIPPED_NS.load(Ordering::Relaxed)
 }
 
-/// Puts the clock above in the place of QEMU's own, which stands in the table of the
-/// accelerator's functions.
+/// Replaces QEMU's clock in the accelerator's function table by the clock above.
 fn replace_clock(qemu: &Qemu) -> Result<(), String> {
     COUNTED_NS.get_or_init(|| qemu.icount_get);
-    // SAFETY: the table is QEMU's, not constant, and longer than what is looked at; nobody
-    // else runs yet.
+    // SAFETY: the table is QEMU's, not constant, and longer than the part read; no other thread
+    // runs yet.
     let table = unsafe { std::slice::from_raw_parts_mut((qemu.cpus_get_accel)(), TABLE_LEN) };
     let clock = table.iter_mut().find(|entry| **entry == qemu.icount_get as Pointer);
     let clock = clock.ok_or("this QEMU keeps its clock elsewhere: QEMU 10 is needed")?;
@@ -174,20 +172,20 @@ fn world() -> MutexGuard<'static, (Machine, Board)> {
 impl Memory for Machine {
     fn read(&mut self, address: u32, bytes: &mut [u8]) {
         let (place, length) = (bytes.as_mut_ptr().cast(), bytes.len() as u64);
-        // SAFETY: QEMU writes so many bytes there.
+        // SAFETY: QEMU writes this number of bytes there.
         unsafe { (self.qemu.cpu_physical_memory_rw)(address.into(), place, length, false) };
     }
 
     fn write(&mut self, address: u32, bytes: &[u8]) {
         let (place, length) = (bytes.as_ptr().cast_mut().cast(), bytes.len() as u64);
-        // SAFETY: QEMU reads so many bytes there and changes none.
+        // SAFETY: QEMU reads this number of bytes there and changes none.
         unsafe { (self.qemu.cpu_physical_memory_rw)(address.into(), place, length, true) };
     }
 }
 
 impl Emulator for Machine {
     fn now_ns(&self) -> u64 {
-        // SAFETY: no condition.
+        // SAFETY: the function has no precondition.
         unsafe { (self.qemu.qemu_clock_get_ns)(VIRTUAL_CLOCK) }.max(0) as u64
     }
 
@@ -200,12 +198,12 @@ impl Emulator for Machine {
     }
 
     fn skip_to(&mut self, when_ns: u64) {
-        // SAFETY: only asks; all kinds of timers.
+        // SAFETY: only reads; all kinds of timers.
         let due_ns = unsafe { (self.qemu.qemu_clock_deadline_ns_all)(VIRTUAL_CLOCK, -1) };
         let wanted_ns = when_ns.saturating_sub(self.now_ns());
         let skipped_ns = u64::try_from(due_ns).map_or(wanted_ns, |due_ns| wanted_ns.min(due_ns));
         SKIPPED_NS.fetch_add(skipped_ns as i64, Ordering::Relaxed);
-        // SAFETY: only tells the processor that its next interruption comes earlier now.
+        // SAFETY: only notifies the processor that its next interruption comes earlier.
         unsafe { (self.qemu.cpu_exit)((self.qemu.qemu_get_cpu)(0)) };
     }
 
@@ -217,7 +215,7 @@ impl Emulator for Machine {
     fn move_stack(&mut self, to: u32) {
         const STACK_POINTER: c_int = 13;
         let bytes = to.to_le_bytes();
-        // SAFETY: four bytes are read; the processor stands still while a timer's time has come.
+        // SAFETY: four bytes are read; the processor stands still during a timer's callback.
         unsafe {
             let cpu = (self.qemu.qemu_get_cpu)(0);
             (self.qemu.arm_cpu_gdb_write_register)(cpu, bytes.as_ptr(), STACK_POINTER);
@@ -225,12 +223,12 @@ impl Emulator for Machine {
     }
 
     fn restart(&mut self) {
-        // SAFETY: only asks.
+        // SAFETY: only requests the reset.
         unsafe { (self.qemu.qemu_system_reset_request)(GUEST_RESET) };
     }
 
     fn finish(&mut self) {
-        // SAFETY: only asks.
+        // SAFETY: only requests the shutdown.
         unsafe { (self.qemu.qemu_system_shutdown_request)(HOST_QUIT) };
     }
 }
@@ -268,7 +266,7 @@ fn leaked(length: usize) -> Pointer {
     Box::leak(vec![0_u128; length / 16].into_boxed_slice()).as_mut_ptr().cast()
 }
 
-/// The processor is there: lays the peripherals over the machine's own.
+/// Called when the processor exists: maps the peripherals over the machine's own.
 extern "C" fn on_start(_: u64, _: u32) {
     if let Err(error) = start() {
         eprintln!("board model: {error}");
@@ -282,7 +280,7 @@ fn start() -> Result<(), String> {
     let setup = serde_json::from_slice(&text).map_err(|e| format!("{SETUP_FILE}: {e}"))?;
     let board = Board::new(setup).map_err(|e| e.to_string())?;
     let path: &CStr = c"/machine/soc/armv7m";
-    // SAFETY: a path as QEMU has them; it need not exist.
+    // SAFETY: the path is a C string; an unknown path is allowed.
     let interrupts = unsafe { (qemu.object_resolve_path)(path.as_ptr(), std::ptr::null_mut()) };
     if interrupts.is_null() {
         return Err("this machine has no interrupt controller where b-l475e-iot01a has it".into());
@@ -296,8 +294,8 @@ fn start() -> Result<(), String> {
     for base in BASES {
         let region = leaked(REGION_LEN);
         let opaque = base as usize as Pointer;
-        // SAFETY: region, functions and name live for ever; the callbacks take the base
-        // address for what it is.
+        // SAFETY: region, functions and name live for ever; the callbacks use the base address as a
+        // number only.
         unsafe {
             let system = (qemu.get_system_memory)();
             let name = c"board-model".as_ptr();
@@ -307,8 +305,7 @@ fn start() -> Result<(), String> {
         }
     }
     let none = std::ptr::null_mut();
-    // SAFETY: the timer has room and lives for ever; both callbacks take no notice of
-    // their argument.
+    // SAFETY: the timer has room and lives for ever; both callbacks ignore their argument.
     unsafe {
         (qemu.timer_init_full)(timer, none, VIRTUAL_CLOCK, 1, 0, on_timer, none);
         (qemu.timer_mod)(timer, 1);
@@ -317,7 +314,7 @@ fn start() -> Result<(), String> {
     Ok(())
 }
 
-/// What QEMU calls when it has loaded the plugin.
+/// Entry point that QEMU calls after loading the plugin.
 #[unsafe(no_mangle)]
 pub extern "C" fn qemu_plugin_install(
     id: u64,

@@ -3,13 +3,13 @@
 
 use crate::rules::{At, Clocks};
 
-/// Why the chip starts: bits of `CSR`.
+/// Causes of a reset: bits of `CSR`.
 pub mod cause {
     /// The reset pin, which every reset pulls.
     pub const PIN: u32 = 1 << 26;
-    /// Power.
+    /// Power-up or brown-out.
     pub const POWER: u32 = 1 << 27;
-    /// The program asked.
+    /// A request of the program.
     pub const SOFTWARE: u32 = 1 << 28;
     /// The independent watchdog.
     pub const WATCHDOG: u32 = 1 << 29;
@@ -46,33 +46,33 @@ const RMVF: u32 = 1 << 23;
 const HSI_START_NS: u64 = 4_500;
 const CRYSTAL_HZ: f64 = 32_768.0;
 
-/// What the oscillators are like.
+/// Properties of the oscillators.
 #[derive(Clone, Copy, Debug)]
 pub struct Oscillators {
-    /// Time that the crystal takes to start, ns; `None`: it never does.
+    /// Time that the crystal takes to start, ns; `None`: it never starts.
     pub crystal_start_ns: Option<u64>,
-    /// Relative error of the MSI while nothing keeps it in step.
+    /// Relative error of the MSI while it is not locked to the crystal.
     pub msi_error: f64,
     /// Relative error of HSI16.
     pub hsi_error: f64,
 }
 
-/// The unit.
+/// The RCC peripheral.
 #[derive(Debug)]
 pub struct Rcc {
     oscillators: Oscillators,
     registers: [u32; 0x28],
     hsi_since_ns: Option<u64>,
     lse_since_ns: Option<u64>,
-    /// Enable register, bits, and when they were set: until two periods have passed
-    /// or the register was read back, the peripheral's clock may not run.
+    /// Enable register, bits and time of the last enable, until read back. The peripheral's clock
+    /// may not run for two periods after it, unless the register is read.
     fresh: Option<(u32, u32, u64)>,
     /// Peripherals whose reset bit was just set: register and bits.
     asserted: Option<(u32, u32)>,
 }
 
 impl Rcc {
-    /// After power-up.
+    /// The state after power-up.
     #[must_use]
     pub fn new(oscillators: Oscillators) -> Self {
         let mut rcc = Self {
@@ -87,7 +87,7 @@ impl Rcc {
         rcc
     }
 
-    /// All but the backup domain; the cause is added to those that were not cleared.
+    /// Resets everything except the backup domain; the cause is added to those not cleared yet.
     pub fn reset(&mut self, cause: u32) {
         let (backup, causes) = (self.register(BDCR), self.register(CSR) & CAUSES);
         self.registers = [0; 0x28];
@@ -98,7 +98,7 @@ impl Rcc {
         (self.hsi_since_ns, self.fresh) = (None, None);
     }
 
-    /// The supply of the backup domain was gone.
+    /// Clears the backup domain after a loss of its supply.
     pub fn lose_backup(&mut self) {
         *self.slot(BDCR) = 0;
         *self.slot(CSR) = 0;
@@ -123,13 +123,13 @@ impl Rcc {
             CR => value | (u32::from(self.hsi_runs(at.now_ns)) * HSIRDY),
             CFGR => value & !0b1100 | (value & 0b11) << 2,
             BDCR => value | (u32::from(self.lse_runs(at.now_ns)) * LSERDY),
-            // The watchdog's oscillator is on when the watchdog is.
+            // The watchdog's oscillator runs while the watchdog does.
             CSR => value | (value & LSION) << 1,
             _ => value,
         }
     }
 
-    /// Writes a register; `unlocked`: `PWR_CR1.DBP`; `latency`: of the flash.
+    /// Writes a register; `unlocked`: `PWR_CR1.DBP`; `latency`: wait states of the flash.
     pub fn write(
         &mut self,
         offset: u32,
@@ -201,24 +201,24 @@ impl Rcc {
         if self.register(CFGR) & 0b11 > 1 || self.register(CFGR) & 0x3FF0 != 0 {
             at.breach("RCC: a clock that this model does not have (PLL, HSE or a divider)");
         }
-        // Table 9, range 1: 16 MHz a wait state.
+        // Table 9, range 1: one wait state per 16 MHz.
         if clocks.pclk_hz > 16.8e6 * f64::from(latency + 1) {
             at.breach("FLASH: too few wait states for this clock");
         }
     }
 
-    /// Peripherals that were just put into reset, by their enable register.
+    /// Returns and clears the peripherals that were just put into reset: enable register and bits.
     pub fn take_asserted(&mut self) -> Option<(u32, u32)> {
         self.asserted.take()
     }
 
-    /// Whether a peripheral may be touched now: bit of an enable register.
+    /// Whether a peripheral's clock is on: register and bit.
     #[must_use]
     pub fn enabled(&self, register: u32, bit: u32) -> bool {
         self.register(register) >> bit & 1 != 0
     }
 
-    /// Whether its clock was switched on less than two periods ago, unread.
+    /// Whether a peripheral's clock was enabled less than two periods ago and not read back.
     #[must_use]
     pub fn too_fresh(&self, register: u32, bit: u32, at: &At<'_>) -> bool {
         self.fresh.is_some_and(|(fresh, bits, since_ns)| {
@@ -237,7 +237,7 @@ impl Rcc {
         }
     }
 
-    /// The clocks as they are now.
+    /// The current clocks.
     #[must_use]
     pub fn clocks(&self, now_ns: u64) -> Clocks {
         let lse_hz = self.lse_runs(now_ns).then_some(CRYSTAL_HZ);
@@ -257,14 +257,14 @@ impl Rcc {
         Clocks { pclk_hz, hsi_hz, lse_hz, lptim_hz, rtc_hz }
     }
 
-    /// The data sheet's table of the MSI: nominal, or in step with the crystal.
+    /// Frequency of the MSI by the data sheet's table: nominal, or locked to the crystal.
     fn msi_hz(&self, crystal: bool) -> f64 {
         const NOMINAL: [f64; 12] =
             [0.1e6, 0.2e6, 0.4e6, 0.8e6, 1e6, 2e6, 4e6, 8e6, 16e6, 24e6, 32e6, 48e6];
         const PERIODS: [f64; 12] =
             [3.0, 6.0, 12.0, 24.0, 31.0, 61.0, 122.0, 244.0, 488.0, 732.0, 977.0, 1465.0];
         let cr = self.register(CR);
-        // MSIRGSEL: the range of CR, else that after a standby.
+        // MSIRGSEL: the range in CR, else the one after standby.
         let range = if cr & 1 << 3 != 0 { cr >> 4 & 0xF } else { 6 };
         let range = range.min(11) as usize;
         if cr & MSIPLLEN != 0 && crystal {

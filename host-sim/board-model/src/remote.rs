@@ -1,10 +1,10 @@
-//! The console as a TCP port of this PC, in real time: one visitor at a time.
+//! The console on a TCP port of this PC, in real time, for one client at a time.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-/// The port and who is there.
+/// The port and its client.
 #[derive(Debug)]
 pub struct Remote {
     listener: TcpListener,
@@ -13,29 +13,29 @@ pub struct Remote {
 }
 
 impl Remote {
-    /// Listens.
+    /// Opens the port.
     ///
     /// # Errors
-    /// The port is taken.
+    /// The port is in use.
     pub fn new(port: u16) -> std::io::Result<Self> {
         let listener = TcpListener::bind(("127.0.0.1", port))?;
         listener.set_nonblocking(true)?;
         Ok(Self { listener, visitor: None, start: Instant::now() })
     }
 
-    /// Emulated time must not run ahead of the clock on the wall.
+    /// Waits until real time has caught up with emulated time.
     pub fn keep_pace(&self, now_ns: u64) {
         let due = Duration::from_nanos(now_ns);
         std::thread::sleep(due.saturating_sub(self.start.elapsed()));
     }
 
-    /// Passes on what was said; gives what was typed. What is said while nobody
-    /// listens is gone, as on a serial line.
+    /// Sends console output to the client and returns the typed bytes. Output without a client is
+    /// lost, as on a serial line.
     pub fn exchange(&mut self, said: &[u8]) -> Vec<u8> {
         if self.visitor.is_none() {
             self.visitor = self.listener.accept().ok().map(|(stream, _)| stream);
             if let Some(stream) = &self.visitor {
-                // A visitor who reads too slowly loses what does not fit.
+                // A client that reads too slowly loses the output that does not fit.
                 let _ = stream.set_nonblocking(true);
                 let _ = stream.set_nodelay(true);
             }

@@ -18,28 +18,28 @@ const INITS: u32 = 1 << 4;
 const RSF: u32 = 1 << 5;
 const INITF: u32 = 1 << 6;
 const INIT: u32 = 1 << 7;
-/// Periods of its clock until the initialisation mode is there, or the shadows.
+/// Clock periods until the initialisation mode is active, or the shadow registers are valid.
 const SYNC_PERIODS: f64 = 2.0;
 const DAY_S: u64 = 86_400;
 
 /// The calendar.
 #[derive(Debug)]
 pub struct Rtc {
-    /// Days since 2000-01-01 and second of the day when it last started, and when
-    /// that was; and seconds told before by a clock that has stopped.
+    /// Day since 2000-01-01 and second of the day at `since_ns`, where counting started last;
+    /// without a clock the time at which it stopped.
     day: u32,
     second: f64,
     since_ns: Option<u64>,
     prescaler: u32,
     control: u32,
-    /// Initialisation mode: since when it was asked for.
+    /// Time of the request for initialisation mode, ns.
     setting_since_ns: Option<u64>,
-    /// What will be set when it ends.
+    /// Time and date to be set at the end of the initialisation mode.
     shadow: (u32, u32),
     synchronised_ns: u64,
     unlocked: u8,
     backup: [u32; 32],
-    /// Time and date that are held until the date is read.
+    /// Date locked until it is read.
     frozen: Option<u32>,
 }
 
@@ -78,7 +78,7 @@ fn days_in(year: u32, month: u32) -> u32 {
     }
 }
 
-/// Day since 2000-01-01 of a date register.
+/// Day since 2000-01-01 from a date register.
 fn day_of(date: u32) -> u32 {
     let (year, month) = (binary(date >> 16 & 0xFF), binary(date >> 8 & 0x1F).clamp(1, 12));
     let years: u32 = (0..year).map(|y| 365 + u32::from(y.is_multiple_of(4))).sum();
@@ -86,7 +86,7 @@ fn day_of(date: u32) -> u32 {
     years + months + binary(date & 0x3F).max(1) - 1
 }
 
-/// The date register of a day since 2000-01-01, which was a Saturday.
+/// Date register from a day since 2000-01-01, which was a Saturday.
 fn date_of(mut day: u32) -> u32 {
     let week_day = (day + 5) % 7 + 1;
     let (mut year, mut month) = (0, 1);
@@ -102,12 +102,12 @@ fn date_of(mut day: u32) -> u32 {
 }
 
 impl Rtc {
-    /// A reset of the chip locks it again; time goes on.
+    /// Handles a reset of the chip: locks the registers; the time continues.
     pub fn reset(&mut self) {
         (self.unlocked, self.frozen, self.synchronised_ns) = (0, None, 0);
     }
 
-    /// Its clock starts, stops or changes.
+    /// Handles a start, stop or change of the clock.
     pub fn rebase(&mut self, at: &mut At<'_>) {
         (self.day, self.second) = self.now(at);
         self.since_ns = at.clocks.rtc_hz.map(|_| at.now_ns);
@@ -118,7 +118,7 @@ impl Rtc {
         at.clocks.rtc_hz.unwrap_or(0.0) / (f64::from(a + 1) * f64::from(s + 1))
     }
 
-    /// Day and second of it.
+    /// Current day and second of the day.
     fn now(&self, at: &At<'_>) -> (u32, f64) {
         let elapsed = self.since_ns.map_or(0.0, |since| (at.now_ns - since) as f64 * 1e-9);
         let second = self.second + elapsed * self.tick_hz(at);
@@ -168,7 +168,7 @@ impl Rtc {
         }
     }
 
-    /// Reading sub-seconds or time holds the others until the date is read.
+    /// Reads time or date. A read of sub-seconds or time locks the others until the date is read.
     fn read_calendar(&mut self, offset: u32, setting: bool, at: &At<'_>) -> u32 {
         if setting {
             return match offset {

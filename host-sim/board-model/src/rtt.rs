@@ -1,7 +1,7 @@
-//! The firmware's own log: SEGGER's RTT control block in the emulated memory, read as
-//! a debug probe reads it.
+//! The firmware's log: SEGGER's RTT control block in the emulated memory, read like a debug probe
+//! does.
 
-/// What can read and write the emulated memory.
+/// Access to the emulated memory.
 pub trait Memory {
     /// Reads bytes.
     fn read(&mut self, address: u32, bytes: &mut [u8]);
@@ -9,11 +9,11 @@ pub trait Memory {
     fn write(&mut self, address: u32, bytes: &[u8]);
 }
 
-/// Identifier and the two counts of channels.
+/// Bytes of the identifier and the two channel counts.
 const HEAD: u32 = 24;
 const ID: &[u8] = b"SEGGER RTT";
 
-/// Takes what channel 0 has to say; nothing before the firmware has set it up.
+/// Reads the new output of channel 0; empty before the firmware has set up the block.
 pub fn drain(memory: &mut dyn Memory, block: u32) -> Vec<u8> {
     let mut id = [0; ID.len()];
     memory.read(block, &mut id);

@@ -1,16 +1,16 @@
-//! What the reference manual and the specifications forbid.
+//! Records behaviour that the reference manual and the specifications forbid.
 
-/// Most different breaches that are kept.
+/// Largest number of different breaches kept.
 const MOST: usize = 50;
 
-/// Collects breaches: a run with any of them has failed.
+/// Collects breaches; a run with a breach has failed.
 #[derive(Debug, Default)]
 pub struct Rules {
     breaches: Vec<(String, u64, u32)>,
 }
 
 impl Rules {
-    /// Notes that something forbidden was done; the same thing again is counted.
+    /// Records a breach; a repetition is only counted.
     pub fn breach(&mut self, now_ns: u64, what: impl Into<String>) {
         let what = what.into();
         if let Some((.., count)) = self.breaches.iter_mut().find(|(known, ..)| *known == what) {
@@ -20,7 +20,7 @@ impl Rules {
         }
     }
 
-    /// Each breach in words: what, when first, how often.
+    /// Each breach as text: description, first time, number.
     #[must_use]
     pub fn said(&self) -> Vec<String> {
         let say = |(what, first_ns, count): &(String, u64, u32)| {
@@ -30,41 +30,41 @@ impl Rules {
     }
 }
 
-/// When and with which clocks something happens.
+/// Context of an access or event: time, clocks, and the record of breaches.
 #[derive(Debug)]
 pub struct At<'a> {
     /// Emulated time, ns.
     pub now_ns: u64,
-    /// The clocks as they are now.
+    /// The current clocks.
     pub clocks: Clocks,
-    /// Where breaches go.
+    /// The record of breaches.
     pub rules: &'a mut Rules,
 }
 
 impl At<'_> {
-    /// Notes that something forbidden was done now.
+    /// Records a breach at the current time.
     pub fn breach(&mut self, what: impl Into<String>) {
         self.rules.breach(self.now_ns, what);
     }
 }
 
-/// Frequencies that peripherals run at.
+/// Clock frequencies of the peripherals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clocks {
-    /// Of the buses and their peripherals, Hz.
+    /// Frequency of the buses and their peripherals, Hz.
     pub pclk_hz: f64,
     /// The 16 MHz oscillator, Hz, if it runs.
     pub hsi_hz: Option<f64>,
     /// The crystal, Hz, if it runs.
     pub lse_hz: Option<f64>,
-    /// What clocks LPTIM1, Hz, if that runs.
+    /// Clock of LPTIM1, Hz, if it runs.
     pub lptim_hz: Option<f64>,
-    /// What clocks the calendar, Hz, if that runs.
+    /// Clock of the calendar, Hz, if it runs.
     pub rtc_hz: Option<f64>,
 }
 
 impl Clocks {
-    /// Time that so many periods of the peripherals' clock take, ns, rounded up.
+    /// Duration of a number of peripheral clock periods, ns, rounded up.
     #[must_use]
     pub fn pclk_ns(&self, periods: u32) -> u64 {
         (f64::from(periods) * 1e9 / self.pclk_hz).ceil() as u64
@@ -75,7 +75,7 @@ impl Clocks {
 pub(crate) mod tests {
     use super::*;
 
-    /// Everything runs as on the board in normal use.
+    /// Clocks of the board in normal use.
     pub(crate) const RUNNING: Clocks = Clocks {
         pclk_hz: 16e6,
         hsi_hz: None,
@@ -84,7 +84,7 @@ pub(crate) mod tests {
         rtc_hz: Some(32_768.0),
     };
 
-    /// Does something at a time, and gives what rules it broke.
+    /// Runs an operation at a time and returns the breaches that it caused.
     pub(crate) fn breaches(now_ns: u64, deed: impl FnOnce(&mut At<'_>)) -> Vec<String> {
         let mut rules = Rules::default();
         deed(&mut At { now_ns, clocks: RUNNING, rules: &mut rules });

@@ -1,56 +1,54 @@
-//! What a run is to be, and what it was: the files between the emulator and whoever
-//! starts it.
+//! Input and outcome of a run: the files exchanged by the emulator and the program that starts it.
 
 use std::path::PathBuf;
 
 use floe::chip::{LoadCell, Schedule};
 use serde::{Deserialize, Serialize};
 
-/// In the emulator's working directory.
+/// Input file, in the emulator's working directory.
 pub const SETUP_FILE: &str = "run.json";
-/// What the board said, byte for byte.
+/// File with the console's output, byte for byte.
 pub const CONSOLE_FILE: &str = "console.out";
-/// What it logged by way of RTT.
+/// File with the log from RTT.
 pub const LOGGED_FILE: &str = "logged";
-/// What came of it.
+/// File with the outcome.
 pub const OUTCOME_FILE: &str = "outcome.json";
 
 /// A moment of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum When {
-    /// Seconds since the power came.
+    /// Seconds since power-up.
     Seconds(f64),
-    /// When this sample of the load cell is over: halfway from the tick that converts it to
-    /// the next.
+    /// End of this sample of the load cell: halfway from the tick that converts it to the next.
     Sample(u64),
 }
 
-/// Something that happens to the board.
+/// An event of the script.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Incident {
-    /// Somebody types, at the port's full speed.
+    /// The user types, at the port's full speed.
     Type(String),
     /// The card is pulled out.
     PullCard,
-    /// It is put in again.
+    /// The card is inserted again.
     PutCard,
-    /// The data line of the converter's bus is held down for so long, s.
+    /// The data line of the converter's bus is held low for this time, s.
     HoldBus(f64),
-    /// It is held down by a chip that waits for so many clocks.
+    /// The data line is held low by a chip that waits for this number of clocks.
     HoldBusForClocks(u32),
-    /// The converter goes away or comes back: registers as at power-up.
+    /// The converter is reset: its registers are as at power-up.
     ResetConverter,
-    /// The microsecond clock stands still: whoever waits, waits for ever.
+    /// The microsecond clock stops, so a program that waits by it waits for ever.
     StopClock,
     /// Every access to this peripheral fails.
     FailAccess(u32),
-    /// The stack is used up but for so many bytes, as by functions that call each other.
+    /// The stack is used up except for this number of bytes, as by nested calls.
     UseUpStack(u32),
-    /// It dips below the level of the brown-out reset, and the backup domain lives on.
+    /// The supply dips below the brown-out level; the backup domain keeps its supply.
     Dip,
-    /// The supply goes for a moment: memory, calendar and card forget.
+    /// The supply fails for a moment: memory, calendar and card lose their state.
     CutPower,
-    /// Somebody takes a picture of the display.
+    /// A picture of the display is taken.
     Photograph,
     /// The run is over.
     End,
@@ -59,45 +57,45 @@ pub enum Incident {
 /// A card.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CardSetup {
-    /// The file with its blocks.
+    /// The file with the card's blocks.
     pub image: PathBuf,
-    /// Whether it is in its slot when the power comes.
+    /// Whether the card is in its slot at power-up.
     pub present: bool,
-    /// Busy after a block, s.
+    /// Busy time after a block, s.
     pub write_s: f64,
-    /// No block can be read.
+    /// Whether reading any block fails.
     pub unreadable: bool,
 }
 
-/// A run.
+/// Input of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setup {
-    /// Codes of the load cell, one a sampling period.
+    /// Codes of the load cell, one per sampling period.
     pub codes: Vec<i32>,
-    /// Sampling periods a second.
+    /// Sampling periods per second.
     pub rate_hz: f64,
     /// Standard deviation of the converter's noise, in codes, and its seed.
     pub noise: (f64, u64),
-    /// What is wrong with the converter.
+    /// Faults of the converter.
     pub troubles: Schedule,
-    /// What happens, in any order.
+    /// Script of the run, in any order.
     pub script: Vec<(When, Incident)>,
-    /// Time that the crystal takes to start, s; `None`: it never does.
+    /// Time that the crystal takes to start, s; `None`: it never starts.
     pub crystal_start_s: Option<f64>,
     /// The card, if there is one.
     pub card: Option<CardSetup>,
     /// Whether a display is there.
     pub display: bool,
-    /// In real time, with the console on this TCP port.
+    /// TCP port of the console, for a run in real time.
     pub port: Option<u16>,
-    /// Addresses of the stack's two ends: lower, upper.
+    /// Addresses of the stack's lower and upper end.
     pub stack: (u32, u32),
     /// Address of the RTT control block.
     pub rtt: Option<u32>,
 }
 
 impl Setup {
-    /// A board at rest: nothing hangs there, nothing happens.
+    /// A board at rest: no load, no events.
     #[must_use]
     pub fn quiet() -> Self {
         Self {
@@ -123,28 +121,28 @@ impl Setup {
     }
 }
 
-/// What came of a run.
+/// Outcome of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// What was done that reference manual or specification forbid.
+    /// Actions that reference manual or specification forbid.
     pub breaches: Vec<String>,
-    /// When and why the board started again.
+    /// Time, s, and cause of each reset.
     pub resets: Vec<(f64, String)>,
-    /// Every conversion that was read: number of the load cell's sample and code.
+    /// Every conversion that was read: number of the load cell's sample, and code.
     pub delivered: Vec<(u64, i32)>,
-    /// Bytes of stack used at most since the last reset.
+    /// Largest use of the stack since the last reset, bytes.
     pub stack_used: u32,
-    /// Characters typed that nobody fetched in time.
+    /// Typed characters that the firmware did not fetch in time.
     pub typed_lost: u32,
-    /// When each line of the console was complete, s.
+    /// Time at which each line of the console was complete, s.
     pub line_times_s: Vec<f64>,
-    /// When the first tick of each start came, s.
+    /// Time of the first tick after each start, s.
     pub first_ticks_s: Vec<f64>,
-    /// What the display shows at the end: a row of points a line.
+    /// The display at the end, one line per row of pixels.
     pub picture: Vec<String>,
-    /// What it showed whenever a picture was taken.
+    /// The display at each `Photograph`.
     pub photographs: Vec<Vec<String>>,
-    /// Whole pictures that it got.
+    /// Whole pictures sent to the display.
     pub pictures: u32,
     /// Blocks written to the card.
     pub blocks_written: u32,

@@ -1,5 +1,5 @@
-//! An SDHC card in SPI mode (SD Physical Layer Simplified Specification, chapter 7),
-//! as strict as that allows a card to be.
+//! An SDHC card in SPI mode (SD Physical Layer Simplified Specification, chapter 7), as strict as
+//! the specification allows.
 
 use std::collections::VecDeque;
 use std::fmt::Debug;
@@ -16,11 +16,11 @@ mod tests;
 /// Bytes of a block.
 pub const BLOCK: usize = 512;
 
-/// Clocks with the card not selected before the first command.
+/// Clocks required before the first command while the card is not selected.
 const WAKING_CLOCKS: u32 = 74;
-/// While the card gets ready, Hz; what is rounding is not a breach.
+/// Clock limit until the card is ready, Hz, with a margin for rounding.
 const SLOW_HZ: f64 = 400_500.0;
-/// Afterwards, Hz.
+/// Clock limit of a ready card, Hz.
 const FAST_HZ: f64 = 25e6;
 /// Bytes before a response.
 const NCR: usize = 2;
@@ -35,22 +35,22 @@ const DATA_CRC_ERROR: u8 = 0x0B;
 /// Error token: the card's own error correction failed.
 const ECC_FAILED: u8 = 0x04;
 
-/// What keeps the blocks.
+/// Storage of the blocks.
 pub trait Disk: Read + Write + Seek + Debug + Send {}
 impl<T: Read + Write + Seek + Debug + Send> Disk for T {}
 
-/// What a card is like.
+/// Timing and faults of a card.
 #[derive(Clone, Debug)]
 pub struct Kind {
-    /// From the first ACMD41 until it is ready, ns.
+    /// Time from the first ACMD41 until the card is ready, ns.
     pub ready_ns: u64,
-    /// From a command to a block of data, ns.
+    /// Time from a command to a block of data, ns.
     pub read_ns: u64,
-    /// Busy after a block, ns.
+    /// Busy time after a block, ns.
     pub write_ns: u64,
-    /// Busy after every 64th block, ns: the card tidies up.
+    /// Busy time after every 64th block, ns: the card's housekeeping.
     pub tidy_ns: u64,
-    /// No block can be read.
+    /// Whether reading any block fails.
     pub unreadable: bool,
 }
 
@@ -63,9 +63,9 @@ impl Default for Kind {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Power {
-    /// So many clocks were given so far.
+    /// Before the first command, after this number of clocks.
     Waking(u32),
-    /// In SPI mode, idle; since the first ACMD41.
+    /// In SPI mode and idle; time of the first ACMD41, ns.
     Idle(Option<u64>),
     Ready,
 }
@@ -73,7 +73,7 @@ enum Power {
 #[derive(Debug)]
 enum Input {
     Command(Vec<u8>),
-    /// Waits for the start of a block.
+    /// Waiting for the start of the block with this number.
     Token(u32),
     Block(u32, Vec<u8>),
 }
@@ -89,18 +89,18 @@ pub struct SdCard {
     application: bool,
     input: Input,
     output: VecDeque<u8>,
-    /// A block that is on its way out of the card.
+    /// A block being sent by the card.
     data: Option<(u64, Vec<u8>)>,
-    /// A block that is being programmed.
+    /// A block being programmed.
     programming: Option<(u64, u32, Vec<u8>)>,
     written: u32,
 }
 
 impl SdCard {
-    /// Just put in.
+    /// A card just inserted.
     ///
     /// # Errors
-    /// The disk's size cannot be told.
+    /// The size of the disk cannot be determined.
     pub fn new(kind: Kind, mut disk: Box<dyn Disk>) -> std::io::Result<Self> {
         let blocks = (disk.seek(SeekFrom::End(0))? / BLOCK as u64) as u32;
         Ok(Self {
@@ -118,7 +118,7 @@ impl SdCard {
         })
     }
 
-    /// The supply goes: what was being programmed is torn.
+    /// Removes the supply: a block being programmed is torn.
     pub fn pull(&mut self, now_ns: u64) {
         self.finish_programming(now_ns);
         if let Some((_, block, bytes)) = self.programming.take() {
@@ -129,20 +129,20 @@ impl SdCard {
         self.abort();
     }
 
-    /// Forgets the transaction: chip select has risen, whoever let go of it. The
-    /// specification does not say what a card does then.
+    /// Aborts the transaction after chip select has risen for any reason. The specification does
+    /// not define the card's behaviour in this case.
     pub fn abort(&mut self) {
         self.output.clear();
         (self.data, self.input) = (None, Input::Command(Vec::new()));
     }
 
-    /// Blocks written.
+    /// Number of blocks written.
     #[must_use]
     pub fn written(&self) -> u32 {
         self.written
     }
 
-    /// Chip select has gone high; that may not happen within a transaction.
+    /// Handles a rise of chip select, which is forbidden within a transaction.
     pub fn released(&mut self, at: &mut At<'_>) {
         let command = matches!(&self.input, Input::Command(bytes) if bytes.is_empty());
         if !command || !self.output.is_empty() || self.data.is_some() {
@@ -151,7 +151,7 @@ impl SdCard {
         self.abort();
     }
 
-    /// Eight clocks.
+    /// Exchanges one byte in eight clocks.
     pub fn exchange(&mut self, byte: u8, selected: bool, clock_hz: f64, at: &mut At<'_>) -> u8 {
         let limit_hz = if self.power == Power::Ready { FAST_HZ } else { SLOW_HZ };
         if clock_hz > limit_hz {
@@ -252,7 +252,7 @@ impl SdCard {
         self.output.clear();
         self.output.extend([0xFF; NCR]);
         let application = std::mem::take(&mut self.application);
-        // The first command and the check of the supply are always checked.
+        // CMD0 and CMD8 are checked always.
         let checked = self.checks_crc || index == 0 || index == 8;
         if checked && sum != crc7(&command[..5]) << 1 | 1 {
             return self.respond(CRC_ERROR);
@@ -318,7 +318,7 @@ impl SdCard {
         self.output.push_back(flags | idle);
     }
 
-    /// ACMD41: a host that does not know of high capacity never gets it ready.
+    /// Handles ACMD41; a host without support for high capacity never gets the card ready.
     fn get_ready(&mut self, argument: u32, now_ns: u64) {
         if let Power::Idle(since) = &mut self.power {
             let since_ns = *since.get_or_insert(now_ns);
@@ -329,7 +329,7 @@ impl SdCard {
         self.respond(0);
     }
 
-    /// Version 2 of the card's data: its size in units of 512 KiB.
+    /// CSD register version 2, with the size in units of 512 KiB.
     fn csd(&self) -> [u8; 16] {
         let [_, high, middle, low] = (self.blocks / 1024).saturating_sub(1).to_be_bytes();
         let mut csd = [0x40, 0x0E, 0, 0x32, 0x5B, 0x59, 0, 0, 0, 0, 0x7F, 0x80, 0x0A, 0x40, 0, 0];

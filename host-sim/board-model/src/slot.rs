@@ -1,26 +1,26 @@
-//! The card's slot: a card or none, and what the data line does then.
+//! The card slot, with a card or empty, and the level of its data line.
 
 use crate::rules::At;
 use crate::sd_card::SdCard;
 use crate::spi::Slave;
 
-/// The slot.
+/// The card slot.
 #[derive(Debug)]
 pub struct Slot {
-    /// The card, in its slot or beside it.
+    /// The card, inserted or not.
     pub card: Option<SdCard>,
-    /// Whether it is in.
+    /// Whether the card is inserted.
     pub present: bool,
     /// Chip select is low.
     pub selected: bool,
     /// The data line has a pull-up.
     pub pulled_up: bool,
-    /// What an open line catches.
+    /// State of the noise on an open line.
     noise: u32,
 }
 
 impl Slot {
-    /// As the board starts.
+    /// The slot at the board's start.
     #[must_use]
     pub fn new(card: Option<SdCard>, present: bool) -> Self {
         Self { card, present, selected: false, pulled_up: false, noise: 1 }
@@ -34,7 +34,7 @@ impl Slot {
         }
     }
 
-    /// Chip select changes.
+    /// Sets the level of chip select.
     pub fn select(&mut self, selected: bool, at: &mut At<'_>) {
         let released = self.selected && !selected;
         self.selected = selected;
@@ -43,7 +43,7 @@ impl Slot {
         }
     }
 
-    /// The processor starts again: its pins let go.
+    /// Handles a restart of the processor, after which its pins float.
     pub fn reset(&mut self) {
         (self.selected, self.pulled_up) = (false, false);
         if let Some(card) = &mut self.card {

@@ -23,29 +23,29 @@ const TXE: u32 = 1 << 1;
 const OVR: u32 = 1 << 6;
 const BSY: u32 = 1 << 7;
 
-/// Bytes in each of the two queues.
+/// Bytes in each of the two FIFOs.
 const ROOM: usize = 4;
 
-/// What hangs on the bus.
+/// The device on the bus.
 pub trait Slave {
-    /// Eight clocks at this frequency; what comes while a byte goes.
+    /// Exchanges a byte in eight clocks of this frequency; returns the device's byte.
     fn exchange(&mut self, byte: u8, clock_hz: f64, at: &mut At<'_>) -> u8;
 }
 
-/// The unit.
+/// The SPI peripheral.
 #[derive(Debug, Default)]
 pub struct Spi {
     cr1: u32,
     cr2: u32,
     to_send: VecDeque<u8>,
-    /// The byte on the wire and when it will have gone.
+    /// The byte on the wire and the end of its transfer, ns.
     sending: Option<(u8, u64)>,
     received: VecDeque<u8>,
     overrun: bool,
 }
 
 impl Spi {
-    /// The clock on the wire, Hz.
+    /// Clock frequency on the wire, Hz.
     fn clock_hz(&self, at: &At<'_>) -> f64 {
         at.clocks.pclk_hz / f64::from(2 << ((self.cr1 & BR) >> 3))
     }
@@ -79,7 +79,7 @@ impl Spi {
                 if self.received.is_empty() {
                     at.breach("SPI2: DR read while nothing has come");
                 }
-                // A wide read takes two bytes.
+                // A 16-bit read takes two bytes.
                 let mut take = || u32::from(self.received.pop_front().unwrap_or(0));
                 if size == 1 { take() } else { take() | take() << 8 }
             }
@@ -99,7 +99,7 @@ impl Spi {
             | level(&self.to_send) << 11
     }
 
-    /// Writes a register; `size`: bytes; `pins`: all three are given to the unit.
+    /// Writes a register; `size`: bytes; `pins`: whether all three pins are assigned to SPI2.
     pub fn write(
         &mut self,
         offset: u32,

@@ -1,13 +1,12 @@
-//! The SSD1306's display memory as its data sheet (rev 1.1) describes it: what can be
-//! seen on it.
+//! Display memory of the SSD1306, as in its data sheet (rev 1.1), and the visible picture.
 
-/// Columns.
+/// Width of the display, pixels.
 pub const WIDTH: usize = 128;
 const PAGES: usize = 8;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Next {
-    /// A control byte, which tells what the others are.
+    /// A control byte, which defines the meaning of the following bytes.
     Control,
     Command,
     Data,
@@ -20,7 +19,7 @@ pub struct Ssd1306 {
     next: Next,
     /// A command and its arguments so far.
     command: Vec<u8>,
-    /// 0 horizontal, 2 by page.
+    /// Addressing mode: 0 horizontal, 2 by page.
     mode: u8,
     columns: (usize, usize),
     pages: (usize, usize),
@@ -28,7 +27,7 @@ pub struct Ssd1306 {
     page: usize,
     on: bool,
     charge_pump: bool,
-    /// Whole pictures that came.
+    /// Number of whole pictures received.
     pub pictures: u32,
 }
 
@@ -51,15 +50,15 @@ impl Default for Ssd1306 {
 }
 
 impl Ssd1306 {
-    /// A start condition: a control byte follows.
+    /// Handles a start condition, after which a control byte follows.
     pub fn start(&mut self) {
         self.next = Next::Control;
     }
 
-    /// A byte of a transfer.
+    /// Receives a byte of a transfer.
     pub fn write(&mut self, byte: u8) {
         match self.next {
-            // Co = 1: only one byte belongs to this control byte; nobody uses that.
+            // Co = 1 (a control byte for one byte only) is not modelled.
             Next::Control => {
                 self.next = if byte & 0x40 != 0 { Next::Data } else { Next::Command };
             }
@@ -117,7 +116,7 @@ impl Ssd1306 {
         self.command.clear();
     }
 
-    /// What can be seen: a row of points a line, `#` lit. Nothing while it is off.
+    /// The visible picture, one line per row of pixels, `#` lit; empty while the display is off.
     #[must_use]
     pub fn picture(&self) -> Vec<String> {
         let lit = |x: usize, y: usize| {

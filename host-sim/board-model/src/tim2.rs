@@ -14,28 +14,28 @@ const ARR: u32 = 0x2C;
 pub struct Tim2 {
     cr1: u32,
     flags: u32,
-    /// What was written, and what counts since the last update.
+    /// The written prescaler, and the one in effect since the last update event.
     prescaler: (u32, u32),
     reload: u32,
-    /// Count and time from which it goes on.
+    /// Count at a time, ns, from which the count continues.
     base: (f64, u64),
-    /// It stands still: what a test breaks to make the program wait for ever.
+    /// Whether the counter is stopped, a fault that makes a waiting program hang.
     pub dead: bool,
 }
 
 impl Tim2 {
-    /// After a reset.
+    /// The state after a reset.
     #[must_use]
     pub fn new() -> Self {
         Self { reload: u32::MAX, ..Self::default() }
     }
 
-    /// A reset; what is broken stays so.
+    /// Resets the timer; a stopped counter stays stopped.
     pub fn reset(&mut self) {
         *self = Self { dead: self.dead, ..Self::new() };
     }
 
-    /// Takes over the count before the clock changes.
+    /// Stores the current count before a change of the clock.
     pub fn rebase(&mut self, at: &mut At<'_>) {
         self.base = (self.count(at), at.now_ns);
     }
@@ -62,7 +62,7 @@ impl Tim2 {
         }
     }
 
-    /// Writes a register. The prescaler waits for an update event.
+    /// Writes a register. A written prescaler takes effect at the next update event.
     pub fn write(&mut self, offset: u32, value: u32, at: &mut At<'_>) {
         self.rebase(at);
         match offset {

@@ -1,4 +1,4 @@
-//! USART2, 8N1 with the character's time on the wire (RM0351, chapter 40).
+//! USART2 with 8N1 frames and the duration of each character (RM0351, chapter 40).
 
 use std::collections::VecDeque;
 
@@ -25,33 +25,33 @@ const TXE: u32 = 1 << 7;
 const TEACK: u32 = 1 << 21;
 const REACK: u32 = 1 << 22;
 
-/// What the other end works at, and how far off it understands.
+/// Baud rate of the PC, and the largest relative deviation that it can receive.
 const BAUD: f64 = 115_200.0;
 const TOLERANCE: f64 = 0.02;
 
-/// The port and the wire to the PC.
+/// The port and the wires to the PC.
 #[derive(Debug, Default)]
 pub struct Usart {
     control: [u32; 3],
     divider: u32,
     overrun: bool,
     received: Option<u8>,
-    /// The character that waits, the one on the wire and when it will have gone.
+    /// The waiting character, and the one on the wire with the end of its transfer, ns.
     waiting: Option<u8>,
     sending: Option<(u8, u64)>,
-    /// What is typed and not yet on the wire; when the character there has come.
+    /// Typed characters not sent yet, and the arrival of the one on the wire, ns.
     typed: VecDeque<u8>,
     arrives_ns: Option<u64>,
-    /// What the PC has got, and when each line was complete, ns.
+    /// Characters received by the PC.
     pub said: Vec<u8>,
-    /// One a line feed.
+    /// Time of each line feed, ns.
     pub line_ends_ns: Vec<u64>,
-    /// Characters typed that nobody fetched in time.
+    /// Typed characters that the firmware did not fetch in time.
     pub lost: u32,
 }
 
 impl Usart {
-    /// After a reset; what is typed goes on.
+    /// Resets the port; the transfer of typed characters continues.
     pub fn reset(&mut self) {
         let (typed, said) = (std::mem::take(&mut self.typed), std::mem::take(&mut self.said));
         let (line_ends_ns, lost) = (std::mem::take(&mut self.line_ends_ns), self.lost);
@@ -59,7 +59,7 @@ impl Usart {
         *self = Self { typed, said, line_ends_ns, lost, arrives_ns, ..Self::default() };
     }
 
-    /// The PC sends characters without pauses from now on.
+    /// Appends text that the PC sends without pauses.
     pub fn type_in(&mut self, text: &[u8], at: &mut At<'_>) {
         self.typed.extend(text);
         if self.arrives_ns.is_none() && !self.typed.is_empty() {
@@ -67,7 +67,7 @@ impl Usart {
         }
     }
 
-    /// A character of the PC takes ten bits.
+    /// Duration of a character from the PC, ten bits, ns.
     fn wire_ns() -> u64 {
         (10.0 * 1e9 / BAUD) as u64
     }
@@ -76,25 +76,25 @@ impl Usart {
         at.clocks.pclk_ns(10 * self.divider.max(16))
     }
 
-    /// When the next character will have come, ns.
+    /// Arrival of the next character, ns.
     #[must_use]
     pub fn deadline_ns(&self) -> Option<u64> {
         self.arrives_ns
     }
 
-    /// When the character on the wire will have gone, ns.
+    /// End of the character on the wire, ns.
     #[must_use]
     pub fn next_change_ns(&self) -> Option<u64> {
         self.sending.map(|(_, end_ns)| end_ns)
     }
 
-    /// Whether the interrupt line is up.
+    /// Whether the interrupt line is active.
     #[must_use]
     pub fn interrupt(&self) -> bool {
         self.control[0] & RXNEIE != 0 && (self.received.is_some() || self.overrun)
     }
 
-    /// Lets time pass.
+    /// Advances the port to the current time.
     pub fn advance(&mut self, at: &mut At<'_>) {
         while let Some((byte, end_ns)) = self.sending.filter(|&(_, end)| end <= at.now_ns) {
             self.said.push(byte);
@@ -153,7 +153,7 @@ impl Usart {
             | flag(on && self.control[0] & RE != 0, REACK)
     }
 
-    /// Writes a register; `pins`: TX and RX are given to the port.
+    /// Writes a register; `pins`: whether TX and RX are assigned to USART2.
     pub fn write(&mut self, offset: u32, value: u32, pins: bool, at: &mut At<'_>) {
         self.advance(at);
         let enabled = self.control[0] & UE != 0;

@@ -1,4 +1,4 @@
-//! What hangs on the I2C bus: the converter and the display.
+//! The chips on the I2C bus: converter and display.
 
 use floe::chip::{Device, Trouble};
 
@@ -8,28 +8,27 @@ use crate::ssd1306::Ssd1306;
 const CONVERTER: u8 = 0x40;
 const DISPLAY: u8 = 0x3C;
 
-/// Somebody holds the data line down: for so long, or until it has seen so many
-/// clocks.
+/// A fault that holds the data line low for a time or for a number of clocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
-    /// Until then, ns.
+    /// Until this time, ns.
     Until(u64),
-    /// A chip that was interrupted while it sent: clocks that it still waits for.
+    /// Until a chip interrupted during a transfer has received this number of clocks.
     Clocks(u32),
 }
 
-/// Both chips and the two lines.
+/// Both chips and the state of the wires.
 #[derive(Debug)]
 pub struct Wires {
     /// The converter.
     pub converter: Device,
     /// The display.
     pub display: Ssd1306,
-    /// Whether a display is there.
+    /// Whether a display is connected.
     pub has_display: bool,
-    /// Who holds the data line down.
+    /// The fault that holds the data line low.
     pub hold: Option<Hold>,
-    /// Who is talked to.
+    /// Address of the current transfer.
     address: u8,
     sent: Vec<u8>,
     answer: Vec<u8>,
@@ -37,7 +36,7 @@ pub struct Wires {
 }
 
 impl Wires {
-    /// A bus at rest.
+    /// An idle bus.
     #[must_use]
     pub fn new(converter: Device, has_display: bool) -> Self {
         Self {
@@ -52,7 +51,7 @@ impl Wires {
         }
     }
 
-    /// Whether the data line is held down now.
+    /// Whether the data line is held low.
     #[must_use]
     pub fn is_held(&mut self, now_ns: u64) -> bool {
         if matches!(self.hold, Some(Hold::Until(end)) if end <= now_ns) {
@@ -61,7 +60,7 @@ impl Wires {
         self.hold.is_some()
     }
 
-    /// The program clocks by hand.
+    /// Handles a clock that the program makes with its pins.
     pub fn clock(&mut self) {
         match &mut self.hold {
             Some(Hold::Clocks(0 | 1)) => self.hold = None,
@@ -70,9 +69,9 @@ impl Wires {
         }
     }
 
-    /// The converter takes whole commands.
+    /// Passes the bytes sent so far to the converter, as one command.
     fn flush(&mut self, now_ns: u64) {
-        // Its clock never runs backwards, whoever asks.
+        // The converter's time never goes back.
         self.last_ns = self.last_ns.max(now_ns);
         if self.address == CONVERTER && !self.sent.is_empty() {
             self.answer = self.converter.i2c_write(self.last_ns, &self.sent);
@@ -107,7 +106,7 @@ impl Target for Wires {
     }
 
     fn read(&mut self, _: u64) -> u8 {
-        // A chip that has nothing more to say leaves the line high.
+        // A chip without more data leaves the line high.
         if self.answer.is_empty() { 0xFF } else { self.answer.remove(0) }
     }
 

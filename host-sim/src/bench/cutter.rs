@@ -1,29 +1,29 @@
-//! Cuts the samples at their turning points: what the simple methods share.
+//! Finds the turning points of the force, for the simple methods.
 //!
-//! A fall below the highest sample by more than a part of the usual drop is a
-//! slip; a rise above the lowest one by a smaller part ends it.
+//! A fall from the highest sample by more than a fraction of the usual drop is a slip; a rise from
+//! the lowest sample by a smaller fraction ends it.
 
 use super::method::{Sample, Setup};
 
-/// Least fall of the first slip, parts of the weight.
+/// Smallest fall of the first slip, as a fraction of the weight.
 const FIRST_FALL: f32 = 0.03;
-/// Least fall of a slip, parts of the usual drop.
+/// Smallest fall of a slip, as a fraction of the usual drop.
 const FALL: f32 = 0.4;
-/// Rise that ends a slip, parts of its drop.
+/// Rise that ends a slip, as a fraction of its drop.
 const RISE: f32 = 0.12;
-/// Weight of the newest drop in the usual one.
+/// Weight of the newest drop in the running mean of the drops.
 const NEWEST: f32 = 0.25;
 
-/// A turning point, or two.
+/// Result of a turning point, or of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cut {
-    /// The block slips.
+    /// A slip begins.
     Slip,
-    /// The block rests again.
+    /// A slip has ended.
     Rest {
         /// Highest sample before the slip.
         peak: Sample,
-        /// Lowest sample after it.
+        /// Lowest sample after the peak.
         low: Sample,
     },
 }
@@ -38,12 +38,12 @@ pub struct Cutter {
     highest: Sample,
     lowest: Sample,
     usual_drop_n: Option<f32>,
-    /// Least fall and rise, N, when they are known beforehand.
+    /// Smallest fall and rise, N, if they are given.
     fixed_n: Option<(f32, f32)>,
 }
 
 impl Cutter {
-    /// Before the first sample.
+    /// State before the first sample.
     #[must_use]
     pub fn new(setup: &Setup) -> Self {
         Self {
@@ -58,20 +58,20 @@ impl Cutter {
         }
     }
 
-    /// With the least fall that starts a slip and the least rise that ends it known
-    /// beforehand, N.
+    /// State before the first sample, with the smallest fall that starts a slip and the smallest
+    /// rise that ends it, N.
     #[must_use]
     pub fn with_least(setup: &Setup, fall_n: f32, rise_n: f32) -> Self {
         Self { fixed_n: Some((fall_n, rise_n)), ..Self::new(setup) }
     }
 
-    /// Whether a slip goes on.
+    /// Whether a slip is in progress.
     #[must_use]
     pub fn slips(&self) -> bool {
         self.slips
     }
 
-    /// Whether a sample is to be used: its index is new and its force within range.
+    /// Whether a sample is usable: its index is new and its force within range.
     #[must_use]
     pub fn accepts(&self, sample: Sample) -> bool {
         (!self.started || sample.index > self.last_index) && self.setup.is_force(sample.force_n)

@@ -1,8 +1,8 @@
-//! An ellipse fitted to the points of the slip in the phase plane.
+//! Fits an ellipse to the points of a slip in the phase plane.
 //!
-//! With its centre on `F' = 0` and its axes along those of the plane (15),
-//! `F² = 2 Fp F - F'²/omega² + (a² - Fp²)`: linear in three unknowns. `Fs` is
-//! where it meets the stick line. A slip with fewer than three points is not read.
+//! With the centre on `F' = 0` and axes parallel to those of the plane (15),
+//! `F² = 2 Fp F - F'²/omega² + (a² - Fp²)`, which is linear in three unknowns. `Fs` is the
+//! intersection with the stick line. A slip with fewer than three points gives no result.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,7 +11,7 @@ use super::loops::{Loop, LoopReading, OfLoops};
 /// The method.
 pub type Ellipse = OfLoops<Fit>;
 
-/// The ellipse through the loop's points off the stick line.
+/// Reading of a loop by the ellipse through its points off the stick line.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit;
 
@@ -23,7 +23,7 @@ impl LoopReading for Fit {
         if points.len() < 3 {
             return None;
         }
-        // Centred and scaled, so that the normal equations are well conditioned.
+        // Centring and scaling make the normal equations well conditioned.
         let middle_n = points.iter().map(|p| p.force_n).sum::<f64>() / points.len() as f64;
         let largest = |f: fn(f64) -> f64, of: &dyn Fn(usize) -> f64| {
             (0..points.len()).map(|i| f(of(i))).fold(0.0, f64::max)
@@ -44,8 +44,7 @@ impl LoopReading for Fit {
     }
 }
 
-/// Finds the `x` with the smallest sum of `(row · x - value)²`; `None` when the
-/// rows do not determine it.
+/// The `x` that minimizes the sum of `(row · x - value)²`; `None` if the rows do not determine it.
 fn solve(rows: impl Iterator<Item = (Vector3<f64>, f64)>) -> Option<Vector3<f64>> {
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for (row, value) in rows {

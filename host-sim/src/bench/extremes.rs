@@ -1,4 +1,4 @@
-//! Largest and smallest force of each cycle, read as `mu_s Mg` and `mu Mg`.
+//! Reads the largest and the smallest force of each cycle as `mu_s Mg` and `mu Mg`.
 
 use super::cutter::{Cut, Cutter};
 use super::method::{Found, Method, Sample, Setup, Tick, Value};

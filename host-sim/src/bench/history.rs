@@ -2,7 +2,7 @@
 
 use super::method::Sample;
 
-/// Samples kept: a slip and its surroundings.
+/// Number of samples kept, enough for a slip and its surroundings.
 const KEPT: usize = 64;
 
 /// A point of the phase plane.
@@ -12,7 +12,7 @@ pub struct Point {
     pub index: u32,
     /// `F`, N.
     pub force_n: f64,
-    /// `F'` by central difference over the neighbours, N per period.
+    /// `F'` by central difference, N per period.
     pub rate_n: f64,
 }
 
@@ -20,9 +20,9 @@ pub struct Point {
 #[derive(Clone, Copy, Debug)]
 pub struct History {
     samples: [Sample; KEPT],
-    /// Samples seen, at most `KEPT`.
+    /// Number of samples seen, at most `KEPT`.
     length: usize,
-    /// Place of the next one.
+    /// Index at which the next sample is stored.
     next: usize,
 }
 
@@ -48,8 +48,7 @@ impl History {
         self.samples.iter().cycle().skip(first).take(self.length).copied()
     }
 
-    /// The points with an index from `from` on, oldest first; the newest sample
-    /// has no point yet.
+    /// The points with index `from` or later, oldest first; the newest sample has no point yet.
     pub fn points(&self, from: u32) -> impl Iterator<Item = Point> + '_ {
         let triples = self.iter().zip(self.iter().skip(1)).zip(self.iter().skip(2));
         let point = |((a, b), c): ((Sample, Sample), Sample)| Point {
@@ -60,8 +59,7 @@ impl History {
         triples.map(point).filter(move |point| point.index >= from)
     }
 
-    /// Mean `F'` from index `from` to `to`, N per period: the level of the stick
-    /// line in the phase plane.
+    /// Mean `F'` between two indices, N per period: the level of the stick line in the phase plane.
     #[must_use]
     pub fn level(&self, from: u32, to: u32) -> Option<f64> {
         let mut rest = self.iter().filter(|s| (from..=to).contains(&s.index));

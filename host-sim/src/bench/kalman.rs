@@ -1,17 +1,15 @@
 //! A Kalman filter that switches between the two modes of the block.
 //!
-//! State, time in sampling periods: `F`, `F'`, `k w`, `Fp`, `omega`, `Fs`. At rest
-//! `F` grows by `k w` a period; in a slip `(F, F')` turns about `(Fp, 0)` with
-//! `omega` until `F'` is `k w` again: both modes in closed form, linearized by
-//! difference quotients (extended Kalman filter). A sample far below the forecast
-//! starts a slip: the filter goes back four samples and tries onsets after them;
-//! the onset's uncertainty enters as noise, so `Fs` stays correlated with all that
-//! follows and is refined until the next onset, when the event is given.
+//! State, with time in sampling periods: `F`, `F'`, `k w`, `Fp`, `omega`, `Fs`. At rest `F` grows
+//! by `k w` per period; in a slip `(F, F')` turns about `(Fp, 0)` at `omega` until `F'` equals
+//! `k w` again. Both modes have closed forms, linearized by difference quotients (extended Kalman
+//! filter). A sample far below the prediction starts a slip: the filter goes back four samples and
+//! tries onsets after them. The uncertainty of the onset enters as process noise, so `Fs` stays
+//! correlated with later samples and is refined until the next onset, when the event is reported.
 //!
-//! Our own filter of few lines on `nalgebra`: the switch needs copies of the whole
-//! filter to go back to and noise along one direction of the state, which the
-//! filters of `minikalman` (state on the heap, not to be copied) and `adskalman`
-//! (linear transitions) do not offer.
+//! The filter is written here on `nalgebra`. The switch requires copies of the whole filter and
+//! noise along one direction of the state, which `minikalman` (state on the heap, not copyable) and
+//! `adskalman` (linear transitions) do not offer.
 
 use super::method::{Found, Method, Sample, Setup, Tick, Value};
 
@@ -19,42 +17,42 @@ mod filter;
 
 use filter::{CENTRE, FORCE, Filter, LOADING, OMEGA, RATE, STATIC, moved, slide};
 
-/// Innovations beyond this many standard deviations do not belong to the mode.
+/// Innovation, in standard deviations, above which a sample does not fit the mode.
 const GATE: f64 = 5.0;
-/// Samples that a slip may go back.
+/// Largest number of samples between an onset and its detection.
 const BACK: usize = 4;
-/// Onsets that are tried: so many over the whole span, then so many around the best.
+/// Number of trial onsets: first over the whole span, then around the best one.
 const TRIALS: u32 = 9;
-/// Before the first slip: `Fp` over `Fs`, and its uncertainty.
+/// `Fp` as a fraction of `Fs` before the first slip, and its uncertainty.
 const CENTRE_GUESS: (f64, f64) = (0.62, 0.15);
-/// From event to event: change of `Fp` over the weight, of `omega` and of `k w`
-/// over themselves.
+/// Standard deviation of the change between events: `Fp` relative to the weight, `omega` and `k w`
+/// relative to themselves.
 const DRIFT: (f64, f64, f64) = (0.1, 0.01, 0.01);
-/// Samples in a row that fit no mode, until the filter starts anew.
+/// Consecutive samples that fit no mode, after which the filter restarts.
 const STRIKES: u32 = 4;
-/// Samples before anything is declared.
+/// Number of samples before the first statement.
 const LEARNING: f64 = 8.0;
-/// The noise is followed by this quantile of the second differences, which slips and
-/// bends of the line hardly move; their value there for noise of one; step per sample.
+/// Quantile of the second differences that tracks the noise, since slips and bends of the line
+/// hardly change it; its value for unit noise; and its change per sample.
 const NOISE_QUANTILE: f64 = 0.3;
 const QUANTILE_AT: f64 = 0.943_8;
 const NOISE_STEP: f64 = 0.1;
 
-/// What the block does.
+/// Mode of the block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "one is kept, in place")]
 enum Mode {
     Rest,
-    /// Began between these samples.
+    /// A slip that began between two samples.
     Slip {
-        /// The one before, with the filter then.
+        /// The sample before the onset, with the filter at that time.
         base: Past,
-        /// Periods after it.
+        /// Onset in periods after `base`.
         onset: f64,
     },
 }
 
-/// A filter after a sample.
+/// A sample with the filter after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Past {
     filter: Filter,
@@ -68,13 +66,13 @@ pub struct Kalman {
     filter: Filter,
     mode: Mode,
     noise_n2: f64,
-    /// Samples since the filter started.
+    /// Number of samples since the filter started.
     samples: f64,
     /// The last samples, newest first.
     past: [Option<Past>; BACK],
-    /// Onset of the event that is still being refined, periods.
+    /// Onset of the event still being refined, periods.
     pending: Option<f64>,
-    /// Slips since the filter started.
+    /// Number of slips since the filter started.
     slips: u32,
     strikes: u32,
 }
@@ -166,7 +164,7 @@ impl Kalman {
             (self.filter, self.slips, self.strikes) = (Filter::new(&self.setup), 0, 0);
             self.samples = 0.0;
         } else if !fits {
-            // Neither rest nor slip as the model has them: the line may have jumped.
+            // The sample fits neither rest nor slip: the line may have jumped.
             self.filter.widen(FORCE, innovation);
         }
         self.filter.correct(force_n, self.noise_n2);
@@ -180,7 +178,7 @@ impl Kalman {
         without.rest(since);
         let (innovation, variance) = without.innovation(force_n);
         if innovation > -GATE * (variance + self.noise_n2).sqrt() {
-            // Back on the stick line: it was no slip.
+            // The force is on the stick line again, so there was no slip.
             without.correct(force_n, self.noise_n2);
             (self.filter, self.mode, self.pending) = (without, Mode::Rest, None);
             return;
@@ -200,7 +198,7 @@ impl Kalman {
         x[FORCE] < x[CENTRE] && (x[RATE] - x[LOADING]).abs() <= 1e-9 * x[LOADING].abs()
     }
 
-    /// Goes back to `base` and lets a slip begin before the last of the samples since.
+    /// Goes back to `base` and starts a slip before the last of the later samples.
     fn slip_from(&mut self, base: Past, samples: [Sample; BACK]) {
         self.filter = base.filter;
         self.expect_change();
@@ -235,7 +233,7 @@ impl Kalman {
         self.mode = if self.is_at_rest() { Mode::Rest } else { Mode::Slip { base, onset } };
     }
 
-    /// From event to event the coefficients vary, the cable and the winch hardly.
+    /// Adds process noise between events: the coefficients vary, cable and winch hardly change.
     fn expect_change(&mut self) {
         let (centre, omega, loading) = DRIFT;
         let x = self.filter.x;
@@ -248,8 +246,8 @@ impl Kalman {
         self.filter.widen(LOADING, loading * x[LOADING]);
     }
 
-    /// Moves through the onset to the sample after it; the onset may be anywhere
-    /// within `span`, evenly.
+    /// Predicts across the onset to the next sample; the onset is uniformly distributed within
+    /// `span`.
     fn begin(&mut self, onset: f64, periods: f64, span: f64) {
         let (x, h) = (self.filter.x, 1e-4);
         let along = (moved(&x, onset + h, periods) - moved(&x, onset - h, periods)) / (2.0 * h);
@@ -257,7 +255,7 @@ impl Kalman {
         self.filter.p += along * along.transpose() * (span * span / 12.0);
     }
 
-    /// Keeps `omega` and the loading rate where the formulas hold.
+    /// Limits `omega` and the loading rate to the range of the formulas.
     fn keep_possible(&mut self) {
         let x = &mut self.filter.x;
         x[OMEGA] = x[OMEGA].clamp(0.05, 20.0);

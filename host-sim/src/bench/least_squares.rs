@@ -1,11 +1,11 @@
-//! The model fitted to each whole event by least squares, offline and in double
-//! precision: the reference for accuracy.
+//! Least-squares fit of the model to each whole event, offline and in double precision: the
+//! reference for accuracy.
 //!
-//! All samples are kept. A first pass over them cuts the record at its turning
-//! points; then five unknowns (`t0`, `k w`, `Fs`, `Fp`, `omega`) are fitted to all
-//! samples from the stop before an event to the onset after it (`k w` and `omega` as
-//! their logarithms, so that they stay above zero), twice: the second time with the ends and from
-//! the usual `omega` that the first fits found. Levenberg-Marquardt from the crate of that name.
+//! All samples are kept. A first pass finds the turning points of the record. Then five unknowns
+//! (`t0`, `k w`, `Fs`, `Fp`, `omega`; `k w` and `omega` as logarithms, so that they stay positive)
+//! are fitted to all samples from the stop before an event to the onset after it. A second fit uses
+//! the ends and the usual `omega` from the first fits. The solver is the crate
+//! `levenberg-marquardt`.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
@@ -22,7 +22,7 @@ use super::segments::{Segment, segments};
 pub struct LeastSquares {
     setup: Setup,
     samples: Vec<Sample>,
-    /// Events still to be given, the last first; `None` before the end.
+    /// Events not returned yet, the last one first; `None` before the end of the record.
     found: Option<Vec<Found>>,
 }
 
@@ -69,18 +69,18 @@ pub fn force_n(event: &LinearEvent, time_s: f64) -> f64 {
     }
 }
 
-/// The samples of one event with a trial event.
+/// A least-squares problem: samples of one event, and a trial event.
 #[derive(Clone, Debug)]
 struct Problem<'a> {
     /// Time, s, and force, N.
     points: &'a [(f64, f64)],
     event: LinearEvent,
-    /// Largest `omega`, rad/s: the samples tell no slip shorter than a quarter period
-    /// from a jump.
+    /// Largest `omega`, rad/s: for a slip shorter than a quarter period the samples only show a
+    /// jump.
     most_omega: f64,
 }
 
-/// Force of an event minus the measured one at each point, N.
+/// Force of an event minus the measured force at each point, N.
 fn residuals_n(event: LinearEvent, points: &[(f64, f64)]) -> impl Iterator<Item = f64> + '_ {
     points.iter().map(move |&(time_s, measured_n)| force_n(&event, time_s) - measured_n)
 }
@@ -180,7 +180,7 @@ fn fit(setup: &Setup, points: &[(f64, f64)], event: LinearEvent) -> Option<Linea
     usable.then_some(problem.event)
 }
 
-/// The best of a few onsets and lengths of the slip.
+/// The best of several trial onsets and durations of the slip.
 fn guess(points: &[(f64, f64)], segment: &Segment) -> Option<LinearEvent> {
     let (peak_s, peak_n) = segment.peak;
     let (low_s, low_n) = segment.low;
@@ -206,15 +206,15 @@ fn guess(points: &[(f64, f64)], segment: &Segment) -> Option<LinearEvent> {
     trials.min_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
 
-/// An event with the usual `omega` about the middle of its slip. Two samples in a slip
-/// fit two different events exactly: the usual one is meant.
+/// An event with the usual `omega` and the same middle of its slip. With two samples in a slip two
+/// different events fit exactly; this selects the usual one.
 fn with_omega(event: LinearEvent, omega: f64) -> LinearEvent {
     let usual = LinearEvent { omega_rad_per_s: omega, ..event };
     let onset_s = event.onset_s + 0.5 * (event.slip_s() - usual.slip_s());
     LinearEvent { onset_s, ..usual }
 }
 
-/// Mean rate of the force between two times, N/s, by the line of least squares.
+/// Mean rate of the force between two times, N/s, by a least-squares line.
 fn rise(points: &[(f64, f64)], from_s: f64, to_s: f64) -> f64 {
     let line = || points.iter().filter(|p| p.0 > from_s && p.0 < to_s);
     let count = line().count() as f64;

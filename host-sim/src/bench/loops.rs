@@ -1,8 +1,8 @@
-//! The loops that the slips draw in the phase plane, and the methods that read them.
+//! Loops of the slips in the phase plane, and the methods that read them.
 //!
-//! `F'` is the central difference. The stick line is the mean `F'` at rest. A point
-//! clearly below it belongs to the ellipse; between such a point and its neighbour on
-//! the line the trajectory crosses it, by interpolation.
+//! `F'` is the central difference. The stick line is the mean `F'` at rest. A point clearly below
+//! it belongs to the ellipse. The crossing of the line is interpolated between such a point and its
+//! neighbour on the line.
 
 use std::marker::PhantomData;
 
@@ -10,36 +10,37 @@ use super::cutter::{Cut, Cutter};
 use super::history::{History, Point};
 use super::method::{Found, Method, Sample, Setup, Tick, Value};
 
-/// Most events that the level of the stick line is averaged over.
+/// Largest number of events over which the level of the stick line is averaged.
 const MEMORY: f64 = 10.0;
-/// Samples after the rise that shows the rest, until the loop is closed.
+/// Samples from the rise that shows the rest to the end of the loop.
 const CLOSING: u32 = 2;
-/// A point this deep below the stick line, parts of the loop's depth, is off it.
+/// Depth below the stick line, as a fraction of the loop's depth, from which a point is off the
+/// line.
 const CLEARLY: f64 = 0.15;
-/// Periods around the turning points that a loop may reach into.
+/// Periods by which a loop may extend beyond its turning points.
 const MARGIN: u32 = 4;
 
-/// A loop of the phase plane that is not closed yet.
+/// A loop that is not complete yet.
 #[derive(Clone, Copy, Debug)]
 struct Open {
     peak: Sample,
     low: Sample,
-    /// Index at which it is read.
+    /// Index at which the loop is read.
     until: u32,
 }
 
-/// A loop as it lies in the phase plane.
+/// A complete loop in the phase plane.
 #[derive(Clone, Debug)]
 pub struct Loop {
-    /// Points from before the slip until after it.
+    /// Points from before the slip to after it.
     pub points: Vec<Point>,
-    /// Place of the point with the smallest `F'`.
+    /// Index of the point with the smallest `F'`.
     pub bottom: usize,
     /// `F'` of the stick line, N per period.
     pub level_n: f64,
 }
 
-/// Gathers loops.
+/// Collects loops.
 #[derive(Clone, Copy, Debug)]
 struct Loops {
     cutter: Cutter,
@@ -62,7 +63,7 @@ impl Loops {
         }
     }
 
-    /// Takes a sample; returns the loop that is closed now.
+    /// Takes a sample; returns a loop that is complete now.
     fn step(&mut self, sample: Sample) -> Option<Loop> {
         if !self.cutter.accepts(sample) {
             return None;
@@ -96,17 +97,17 @@ impl Loops {
     }
 }
 
-/// Where a trajectory crosses the stick line.
+/// Intersection of the trajectory with the stick line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// Force there, N.
+    /// Force at the intersection, N.
     pub force_n: f64,
-    /// Periods from the start of the record.
+    /// Time from the start of the record, periods.
     pub time: f64,
 }
 
 impl Loop {
-    /// Between an outer point near the stick line and an inner one clearly below.
+    /// Intersection between an outer point near the stick line and an inner one clearly below it.
     fn crossing(&self, outer: &Point, inner: &Point) -> Crossing {
         let part = ((self.level_n - inner.rate_n) / (outer.rate_n - inner.rate_n)).min(1.0);
         let between = |inner: f64, outer: f64| inner + part * (outer - inner);
@@ -116,7 +117,7 @@ impl Loop {
         }
     }
 
-    /// The points clearly below the stick line, from first to last place.
+    /// Indices of the first and last point clearly below the stick line.
     fn inside(&self) -> Option<(usize, usize)> {
         let lowest_n = self.points.get(self.bottom)?.rate_n;
         let clearly_n = self.level_n - CLEARLY * (self.level_n - lowest_n);
@@ -133,7 +134,7 @@ impl Loop {
         inside.unwrap_or_default()
     }
 
-    /// Where the trajectory leaves the stick line and where it comes back to it.
+    /// Intersections where the trajectory leaves the stick line and where it returns.
     #[must_use]
     pub fn ends(&self) -> Option<(Crossing, Crossing)> {
         let (first, last) = self.inside()?;
@@ -144,8 +145,7 @@ impl Loop {
         ))
     }
 
-    /// Time at which the trajectory leaves the stick line, else of the steepest
-    /// fall, periods.
+    /// Time at which the trajectory leaves the stick line, or else of the steepest fall, periods.
     #[must_use]
     pub fn onset(&self) -> f64 {
         let bottom = self.points.get(self.bottom).map_or(0.0, |p| p.index as f64);
@@ -153,7 +153,7 @@ impl Loop {
     }
 }
 
-/// What a method makes of a loop.
+/// A method for reading a loop.
 pub trait LoopReading {
     /// Name in the tables.
     const NAME: &'static str;
@@ -162,7 +162,7 @@ pub trait LoopReading {
     fn forces_n(found: &Loop) -> Option<(f64, f64)>;
 }
 
-/// The method that reads every loop in one way.
+/// A method that applies one reading to every loop.
 #[derive(Clone, Copy, Debug)]
 pub struct OfLoops<R> {
     setup: Setup,

@@ -1,32 +1,31 @@
-//! Which found event is which true one, by the time of the onset.
+//! Matches found events with true ones by the time of the onset.
 
 use super::method::Found;
 use super::scenes::Truth;
 
-/// Largest difference between the onsets, sampling periods, beside half the slip.
+/// Largest difference between the onsets, sampling periods, in addition to half the slip.
 const NEAR_PERIODS: f64 = 2.0;
 
-/// How well the events were found.
+/// Counts of a detection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Detection {
     /// True events that were found.
     pub hits: usize,
-    /// Found events that are none.
+    /// Found events without a true one.
     pub false_alarms: usize,
     /// True events that were missed.
     pub misses: usize,
 }
 
 impl Detection {
-    /// Adds another record's.
+    /// Adds the counts of another record.
     pub fn add(&mut self, other: Self) {
         self.hits += other.hits;
         self.false_alarms += other.false_alarms;
         self.misses += other.misses;
     }
 
-    /// Harmonic mean of precision and recall, 0 to 1; 1 when there was nothing to
-    /// find and nothing was found.
+    /// Harmonic mean of precision and recall, 0 to 1; 1 if there are neither true nor found events.
     #[must_use]
     pub fn f1(&self) -> f64 {
         let wrong = self.false_alarms + self.misses;
@@ -37,11 +36,10 @@ impl Detection {
     }
 }
 
-/// Pairs of places in `truths` and `found`, and what is left over.
+/// Pairs of indices into `truths` and `found`, and the counts of the remaining events.
 ///
-/// Each event is used once, the nearest pairs first. What was found after the last
-/// true event is not judged: a slip that the end of the record cuts is no true
-/// event.
+/// Each event is used once, the nearest pairs first. Events found after the last true event are not
+/// judged, because a slip that the end of the record cuts has no true event.
 #[must_use]
 pub fn matched(
     truths: &[Truth],
@@ -102,10 +100,10 @@ mod tests {
     #[test]
     fn events_are_matched_by_their_onset() {
         assert_eq!(judge(&[1.0, 3.0], &[1.01, 2.95]), (2, 0, 0));
-        // 0.125 s for two periods and 0.1 s for half the slip.
+        // The limit is 0.125 s for two periods plus 0.1 s for half the slip.
         assert_eq!(judge(&[1.0, 3.0], &[1.22, 3.23]), (1, 0, 1));
         assert_eq!(judge(&[1.0, 3.0], &[1.0, 2.0, 3.0]), (2, 1, 0));
-        // One true event is found once, by the nearest.
+        // A true event is matched once, with the nearest found event.
         assert_eq!(judge(&[1.0, 3.0], &[1.05, 1.0, 3.0]), (2, 1, 0));
         let (pairs, _) = matched(&truths(&[1.0, 3.0]), &found(&[1.05, 1.0, 3.0]), 16.0);
         assert_eq!(pairs, [(0, 1), (1, 2)]);

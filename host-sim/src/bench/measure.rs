@@ -1,4 +1,4 @@
-//! Runs a method over a scene's records: errors first, then times.
+//! Runs a method over a scene's records: first the errors, then the times.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -8,20 +8,20 @@ use super::method::{Found, Method, Sample, Setup, Value};
 use super::result::{Errors, Row};
 use super::scenes::{Record, Trial, Truth};
 
-/// Runs over them, after one that warms up.
+/// Number of timed runs, after one for warm-up.
 const RUNS: usize = 7;
 /// Half the width of a 95 % interval, standard deviations.
 const INTERVAL: f64 = 1.96;
 
-/// What a method said about one record.
+/// Output of a method for one record.
 struct Answer {
     found: Vec<Found>,
-    /// Times at which it began to say that the block slips, s.
+    /// Times at which the method started to report a slip, s.
     declared_s: Vec<f64>,
     state_bytes: usize,
 }
 
-/// An estimate, the truth, and the bound of the difference.
+/// An estimate, the true value, and the bound of the error.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     estimate: Value,
@@ -29,24 +29,24 @@ struct Pair {
     bound: Option<f64>,
 }
 
-/// How right a method is on a scene.
+/// Accuracy of a method in a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Judgement {
     /// How well the events were found.
     pub detection: Detection,
     /// True events with a value for both coefficients.
     pub read: usize,
-    /// Errors of `mu_s`; `None` without a single value.
+    /// Errors of `mu_s`; `None` without any value.
     pub mu_s: Option<Errors>,
     /// Errors of `mu`.
     pub mu: Option<Errors>,
-    /// Mean time from the true onset until a slip was declared, s.
+    /// Mean time from the true onset to the report of a slip, s.
     pub onset_delay_s: Option<f64>,
     /// Bytes kept between samples, at the end of the longest record.
     pub state_bytes: usize,
 }
 
-/// Runs a method over a scene: errors and times.
+/// Measures errors and times of a method over a scene.
 #[must_use]
 pub fn assess<M: Method>(trial: &Trial) -> Row {
     let judgement = judge::<M>(trial);
@@ -71,7 +71,7 @@ pub fn assess<M: Method>(trial: &Trial) -> Row {
     }
 }
 
-/// Runs a method over a scene: errors only.
+/// Measures the errors of a method over a scene.
 #[must_use]
 pub fn judge<M: Method>(trial: &Trial) -> Judgement {
     let mut detection = Detection::default();
@@ -113,8 +113,7 @@ fn answer<M: Method>(setup: &Setup, record: &Record) -> Answer {
     Answer { found, declared_s, state_bytes }
 }
 
-/// From each true onset to the first time after it that a slip was declared,
-/// before the next onset.
+/// Time from each true onset to the first report of a slip before the next onset.
 fn delays(events: &[Truth], declared_s: &[f64]) -> Vec<f64> {
     let delay = |(i, event): (usize, &Truth)| {
         let end_s = events.get(i + 1).map_or(f64::INFINITY, |next| next.onset_s);
@@ -149,7 +148,7 @@ fn errors(pairs: &[Pair]) -> Option<Errors> {
     })
 }
 
-/// The first records, as many as the times are taken over.
+/// The first records, as many as are timed.
 fn timed(trial: &Trial) -> &[Record] {
     let mut samples = 0;
     let enough = trial.records.iter().position(|record| {
@@ -173,8 +172,7 @@ fn ns_per_sample<M: Method>(trial: &Trial) -> f64 {
     shortest_ns(run) / samples(records).count() as f64
 }
 
-/// Time to look at each sample once and keep the largest, ns a sample: what any
-/// method takes at least.
+/// Time to read each sample once and keep the largest, ns per sample: a lower limit for any method.
 #[must_use]
 pub fn one_pass_ns(trial: &Trial) -> f64 {
     let records = timed(trial);
@@ -191,7 +189,7 @@ fn samples(records: &[Record]) -> impl Iterator<Item = Sample> + '_ {
     records.iter().flat_map(|record| record.samples.iter().copied())
 }
 
-/// Of several runs, so that what else the computer did is left out.
+/// Shortest of several runs, which excludes other load of the computer.
 fn shortest_ns(run: impl Fn()) -> f64 {
     run();
     let times_ns = [(); RUNS].map(|()| {
@@ -220,7 +218,7 @@ fn worst_tick_ns<M: Method>(trial: &Trial) -> f64 {
     worst_ns.saturating_sub(clock_ns()) as f64
 }
 
-/// Time that reading the clock takes by itself.
+/// Time of reading the clock, ns.
 fn clock_ns() -> u128 {
     let read = |_| Instant::now().elapsed().as_nanos();
     (0..1000).map(read).min().unwrap_or(0)

@@ -1,6 +1,6 @@
-//! What a method gets and gives.
+//! Input and output of a method.
 
-/// What every method is told before the first sample.
+/// Information for every method before the first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
     /// Samples per second.
@@ -9,7 +9,7 @@ pub struct Setup {
     pub weight_n: f64,
     /// Slope of the ice, rad.
     pub slope_rad: f64,
-    /// Largest force of the cell, N; readings there or beyond are no forces.
+    /// Largest force of the cell, N; higher readings are not forces.
     pub range_n: Option<f64>,
 }
 
@@ -21,13 +21,13 @@ impl Setup {
         (force_n / self.weight_n - sin) / cos
     }
 
-    /// What one newton is in a coefficient.
+    /// Change of a coefficient per newton.
     #[must_use]
     pub fn per_newton(&self) -> f64 {
         1.0 / (self.weight_n * self.slope_rad.cos())
     }
 
-    /// Whether a reading can be a force at all.
+    /// Whether a reading is within the range of forces.
     #[must_use]
     pub fn is_force(&self, force_n: f32) -> bool {
         self.range_n.is_none_or(|range_n| f64::from(force_n) < range_n)
@@ -43,17 +43,17 @@ pub struct Sample {
     pub force_n: f32,
 }
 
-/// A coefficient as a method states it.
+/// An estimate of a coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Value {
     /// The estimate.
     pub value: f64,
-    /// Its standard deviation, where the method has one.
+    /// Standard deviation, if the method states one.
     pub std: Option<f64>,
 }
 
 impl Value {
-    /// A value without a standard deviation; none if it is not finite.
+    /// A value without a standard deviation; `None` if it is not finite.
     #[must_use]
     pub fn bare(value: f64) -> Option<Self> {
         value.is_finite().then_some(Self { value, std: None })
@@ -63,38 +63,38 @@ impl Value {
 /// An event that a method found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// The slip begins, s.
+    /// Onset of the slip, s.
     pub onset_s: f64,
-    /// Static coefficient, if the method can tell.
+    /// Static coefficient, if the method determines it.
     pub mu_s: Option<Value>,
-    /// Dynamic coefficient, if the method can tell.
+    /// Dynamic coefficient, if the method determines it.
     pub mu: Option<Value>,
 }
 
-/// What a sample led to.
+/// Result of a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tick {
-    /// The method says that the block slips.
+    /// Whether the method reports that the block slips.
     pub slips: bool,
     /// An event that is now complete.
     pub event: Option<Found>,
 }
 
-/// A way from samples to events.
+/// A method that finds events in samples.
 pub trait Method {
     /// Name in the tables.
     const NAME: &'static str;
-    /// Answers while the samples come; otherwise keeps them all and answers at
+    /// Whether the method answers during the record; otherwise it keeps all samples and answers at
     /// the end.
     const STREAMS: bool = true;
 
-    /// Before the first sample.
+    /// State before the first sample.
     fn new(setup: &Setup) -> Self;
 
     /// Takes a sample.
     fn step(&mut self, sample: Sample) -> Tick;
 
-    /// After the last sample: the events that are left, one a call.
+    /// Returns the remaining events after the last sample, one per call.
     fn finish(&mut self) -> Option<Found> {
         None
     }

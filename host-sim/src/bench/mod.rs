@@ -1,4 +1,4 @@
-//! Methods side by side on the same samples: speed against error.
+//! Compares methods on equal samples: speed against error.
 //!
 //! ```text
 //!  Scene ─► Trial (samples, truth) ─┬─► Method ─► Found ─► Row (error, speed)
@@ -6,8 +6,8 @@
 //!                                   └─► ...
 //! ```
 //!
-//! Every method sees the same samples in the same order and knows the same:
-//! rate, weight, slope and the range of the cell. None sees the truth.
+//! Every method gets the same samples in the same order and the same information: rate, weight,
+//! slope and range of the cell. No method gets the truth.
 
 pub mod cutter;
 pub mod ellipse;
@@ -45,11 +45,11 @@ const METHODS: [fn(&Trial) -> Row; 6] = [
     measure::assess::<ours::Floe>,
 ];
 
-/// Runs all methods on all scenes; `progress` gets the number of scenes done, of
-/// all scenes, and the name of the one that begins.
+/// Runs all methods on all scenes. `progress` gets the number of scenes done, the number of all
+/// scenes, and the name of the next one.
 ///
 /// # Errors
-/// A scene that cannot be simulated.
+/// A scene cannot be simulated.
 pub fn run(quick: bool, progress: impl Fn(usize, usize, &str)) -> Result<BenchResult, SceneError> {
     let effort = if quick { Effort::QUICK } else { Effort::FULL };
     let plans = scenes::plans(effort)?;
@@ -64,7 +64,7 @@ pub fn run(quick: bool, progress: impl Fn(usize, usize, &str)) -> Result<BenchRe
 }
 
 fn host() -> Host {
-    // Linux says it; elsewhere it stays unknown.
+    // Linux provides the name; elsewhere it stays unknown.
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = text.lines().find_map(|line| line.strip_prefix("model name"));
     let processor = name.map(|name| name.trim_start_matches([' ', '\t', ':']).to_owned());
@@ -94,8 +94,8 @@ mod tests {
 
     #[test]
     fn largest_and_smallest_force_err_as_in_the_model_s_table() {
-        // Noise of 2 N: error over the bound of mu_s, mu. The table's light block is
-        // not described well enough to be compared.
+        // Noise of 2 N: ratio of error to bound for mu_s and mu. The table's light block is not
+        // described well enough for a comparison.
         let table = [("dff8-13", 12.0, 940.0), ("heavy", 15.0, 3700.0), ("fast", 8.0, 800.0)];
         let trials = scenes::tests::linear(2.0, 300);
         for (name, mu_s, mu) in table {

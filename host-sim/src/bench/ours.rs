@@ -1,10 +1,10 @@
-//! Floe's own pipeline, as the firmware and the replay run it.
+//! Floe's pipeline as a method, as in the firmware and the replay.
 
 use floe_core::{Coefficient, Config, Event, Newtons, Phase, Pipeline, RawSample, Reading};
 
 use super::method::{Found, Method, Sample, Setup, Tick, Value};
 
-/// The method; a setup that the pipeline refuses gives no events.
+/// The method; if the pipeline rejects the setup there are no events.
 #[derive(Clone, Debug)]
 pub struct Floe {
     rate_hz: f64,

@@ -41,7 +41,7 @@ record of the scene; errors are those of the tables below. The rivals compute in
 has no unit for, and are not on the board.
 ";
 
-/// The page; `picture` is the file next to it.
+/// The text of the page; `picture` is the file next to it.
 #[must_use]
 pub fn markdown(result: &BenchResult, picture: &str) -> String {
     let processor = result.host.processor.as_deref().unwrap_or("unknown processor");

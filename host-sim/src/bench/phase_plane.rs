@@ -1,12 +1,12 @@
-//! The phase plane as a person reads it: `Fs` where the trajectory leaves the stick
-//! line, `Fe` where it comes back, the ellipse's centre half-way, `Fp = (Fs + Fe)/2`.
+//! Manual reading of the phase plane: `Fs` where the trajectory leaves the stick line, `Fe` where
+//! it returns, and the ellipse's centre half-way, `Fp = (Fs + Fe)/2`.
 
 use super::loops::{Loop, LoopReading, OfLoops};
 
 /// The method.
 pub type PhasePlane = OfLoops<Ends>;
 
-/// The loop's two ends on the stick line.
+/// Reading of a loop by its two intersections with the stick line.
 #[derive(Clone, Copy, Debug)]
 pub struct Ends;
 

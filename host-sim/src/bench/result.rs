@@ -1,8 +1,8 @@
-//! What the comparison gives, as it is written to JSON.
+//! Results of the comparison, in the form of the JSON file.
 
 use serde::{Deserialize, Serialize};
 
-/// Name and version of this format; changes when a meaning changes.
+/// Name and version of the format; changes if a meaning changes.
 pub const SCHEMA: &str = "floe-bench/1";
 
 /// The whole comparison.
@@ -10,26 +10,26 @@ pub const SCHEMA: &str = "floe-bench/1";
 pub struct BenchResult {
     /// [`SCHEMA`].
     pub schema: String,
-    /// What it ran on.
+    /// Computer on which the comparison ran.
     pub host: Host,
-    /// Seeds of a scene's records: 1, 2, ...
+    /// First seed of a scene's records, which are numbered 1, 2, ...
     pub first_seed: u64,
-    /// Time to only look at a sample and keep the largest, ns.
+    /// Time to read a sample and keep the largest, ns.
     pub one_pass_ns: f64,
-    /// One for each scene and method.
+    /// Results, one per scene and method.
     pub rows: Vec<Row>,
 }
 
-/// What the comparison ran on.
+/// Computer on which the comparison ran.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Host {
-    /// Name of the processor, if the system says it.
+    /// Name of the processor, if the system provides it.
     pub processor: Option<String>,
-    /// Whether the program was built without optimisation: then times mean little.
+    /// Whether the program was built without optimisation, so that times are meaningless.
     pub debug_build: bool,
 }
 
-/// One method on one scene.
+/// Results of one method in one scene.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Row {
     /// Name of the scene.
@@ -40,52 +40,52 @@ pub struct Row {
     pub noise_percent: f64,
     /// Name of the method.
     pub method: String,
-    /// Whether it answers while the samples come.
+    /// Whether the method answers during the record.
     pub streams: bool,
-    /// True events.
+    /// Number of true events.
     pub events: usize,
     /// Harmonic mean of precision and recall of the events.
     pub f1: f64,
-    /// Share of the true events with a value for both coefficients, percent.
+    /// Percentage of the true events with values for both coefficients.
     pub read_percent: f64,
-    /// Errors of `mu_s`; `None` without a single value.
+    /// Errors of `mu_s`; `None` without any value.
     pub mu_s: Option<Errors>,
     /// Errors of `mu`.
     pub mu: Option<Errors>,
-    /// Mean time from the true onset until the method says that the block slips, ms.
+    /// Mean time from the true onset to the method's report of a slip, ms.
     pub onset_delay_ms: Option<f64>,
-    /// Time per sample, ns: shortest of several runs over the same samples, so that what else
-    /// the computer did is left out.
+    /// Time per sample, ns: shortest of several runs over the same samples, which excludes other
+    /// load of the computer.
     pub ns_per_sample: f64,
     /// Bytes kept between samples, at the end of the longest record.
     pub state_bytes: usize,
-    /// Longest time for one sample, ns; each sample's shortest of several runs, so
-    /// that what else the computer did is left out.
+    /// Longest time for one sample, ns, from each sample's shortest time in several runs, which
+    /// excludes other load of the computer.
     pub worst_tick_ns: Option<f64>,
-    /// The same on the board, where the emulator counted: `cargo xtask bench --docs`.
+    /// Instructions on the board, if counted in the emulator: `cargo xtask bench --docs`.
     pub board: Option<Instructions>,
 }
 
-/// Instructions of a step on the board, a Cortex-M4F, over the first record of a scene.
+/// Instructions per step on the board, a Cortex-M4F, over the first record of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Instructions {
     /// Mean.
     pub mean: u64,
-    /// Most of all steps.
+    /// Largest value of all steps.
     pub worst: u64,
 }
 
 /// Errors of one coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Errors {
-    /// Root-mean-square of the error over each event's Cramér-Rao bound.
+    /// Root-mean-square error relative to each event's Cramér-Rao bound.
     pub over_bound: Option<f64>,
     /// Root-mean-square error, percent of the mean coefficient.
     pub rms_percent: f64,
     /// Mean error, percent of the mean coefficient.
     pub bias_percent: f64,
-    /// Error that 95 % of the events do not exceed, percent.
+    /// 95th percentile of the absolute error, percent.
     pub p95_percent: f64,
-    /// Share of the events whose stated 95 % interval holds the truth, percent.
+    /// Percentage of the events whose stated 95 % interval covers the truth.
     pub coverage_percent: Option<f64>,
 }

@@ -1,29 +1,29 @@
-//! The scenes: simulated once, given to every method.
+//! The scenes, simulated once for all methods.
 
 use crate::sim::bound::LinearEvent;
 use crate::sim::{Scene, SceneError, TrueEvent, simulate};
 
 use super::method::{Sample, Setup};
 
-/// How much is simulated and timed.
+/// Amount of simulation and timing.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Events that a linear scene has at least, over all its records.
+    /// Smallest number of events in a linear scene, over all its records.
     pub linear_events: usize,
-    /// Records of a hard scene.
+    /// Number of records of a hard scene.
     pub hard_records: u64,
-    /// Samples of a scene that times are taken over, at least.
+    /// Smallest number of timed samples per scene.
     pub timed_samples: usize,
 }
 
 impl Effort {
-    /// For figures that stand: the error's own error is about 2 %.
+    /// For published figures: the relative uncertainty of an error is about 2 %.
     pub const FULL: Self = Self { linear_events: 1200, hard_records: 6, timed_samples: 6000 };
-    /// For a look.
+    /// For a quick look.
     pub const QUICK: Self = Self { linear_events: 100, hard_records: 1, timed_samples: 1000 };
 }
 
-/// Noise of the linear scenes, parts of the weight.
+/// Noise of the linear scenes, as a fraction of the weight.
 const NOISE: [f64; 3] = [0.001, 0.003, 0.02];
 
 /// Linear scenes: the model holds exactly, the noise is white.
@@ -41,7 +41,7 @@ macro_rules! hard {
     };
 }
 
-/// Scenes with what real tests add.
+/// Scenes with properties of real tests beyond the linear model.
 const HARD: [(&str, &str); 23] = hard![
     "flop",
     "sag_flop",
@@ -68,19 +68,19 @@ const HARD: [(&str, &str); 23] = hard![
     "all",
 ];
 
-/// A true event with the errors that a perfect method would make.
+/// A true event with the bounds of its errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truth {
-    /// The slip begins, s.
+    /// Onset of the slip, s.
     pub onset_s: f64,
-    /// The block rests again, s.
+    /// Re-stick, s.
     pub stop_s: f64,
-    /// Of the ice, whatever weight the methods are told.
+    /// True static coefficient, for any weight given to the methods.
     pub mu_s: f64,
-    /// Likewise.
+    /// True dynamic coefficient, for any weight given to the methods.
     pub mu: f64,
-    /// Cramér-Rao bounds of the two, five unknowns free; `None` where the model
-    /// does not hold or the samples cannot tell.
+    /// Cramér-Rao bounds of both coefficients with five free unknowns; `None` where the model does
+    /// not hold or the samples do not determine them.
     pub bound: Option<(f64, f64)>,
 }
 
@@ -89,13 +89,13 @@ pub struct Truth {
 pub struct Record {
     /// The samples.
     pub samples: Vec<Sample>,
-    /// The events that ended in it.
+    /// Events that end within the record.
     pub events: Vec<Truth>,
 }
 
 impl Record {
-    /// The events that are judged: all but the last, whose stick line after it the end
-    /// of the record cuts.
+    /// The judged events: all except the last, whose following stick line is cut by the end of the
+    /// record.
     #[must_use]
     pub fn judged(&self) -> &[Truth] {
         self.events.split_last().map_or(&[], |(_, judged)| judged)
@@ -109,13 +109,13 @@ pub struct Trial {
     pub name: &'static str,
     /// Whether the model holds exactly and the noise is white.
     pub linear: bool,
-    /// White noise, parts of the weight.
+    /// White noise, as a fraction of the weight.
     pub noise: f64,
-    /// What the methods are told.
+    /// Information for the methods.
     pub setup: Setup,
-    /// Samples that times are taken over, at least, if it has them.
+    /// Smallest number of timed samples, if the scene has enough.
     pub timed_samples: usize,
-    /// Its records: seeds from 1 on, each with another sampling phase.
+    /// The records, with seeds from 1, each with another sampling phase.
     pub records: Vec<Record>,
 }
 
@@ -128,14 +128,14 @@ pub struct Plan {
     effort: Effort,
 }
 
-/// Sampling phase of a record, 0 to 1: the golden section spreads those of any number of
-/// seeds evenly.
+/// Sampling phase of a record, 0 to 1; multiples of the golden ratio are evenly spread for any
+/// number of seeds.
 #[must_use]
 pub fn phase(seed: u64) -> f64 {
     (seed as f64 * 0.618_033_988_749_895).fract()
 }
 
-/// The scene with the sampling phase of this seed: part of a period's force at its start.
+/// The scene with the sampling phase of a seed: its start is shifted by a fraction of a period.
 #[must_use]
 pub fn at_phase(scene: &Scene, seed: u64) -> Scene {
     let rate = scene.stiffness_n_per_m * scene.winch_m_per_s;
@@ -146,7 +146,7 @@ pub fn at_phase(scene: &Scene, seed: u64) -> Scene {
 /// All scenes, in the order of the table.
 ///
 /// # Errors
-/// A scene that cannot be read.
+/// A scene cannot be read.
 pub fn plans(effort: Effort) -> Result<Vec<Plan>, SceneError> {
     let mut plans = Vec::new();
     for (name, text) in LINEAR {
@@ -161,7 +161,7 @@ pub fn plans(effort: Effort) -> Result<Vec<Plan>, SceneError> {
 }
 
 impl Plan {
-    /// A linear scene if white noise is given, as a part of the weight.
+    /// A plan; the scene is linear if white noise is given, as a fraction of the weight.
     fn new(
         (name, text): (&'static str, &str),
         noise: Option<f64>,
@@ -183,7 +183,7 @@ impl Plan {
     /// Simulates the scene.
     ///
     /// # Errors
-    /// A value out of its range, or an integrator that gives up.
+    /// A value is out of its range, or the integrator fails.
     pub fn run(&self) -> Result<Trial, SceneError> {
         let mut records = Vec::new();
         let mut events = 0;
@@ -247,7 +247,7 @@ impl Plan {
         events.iter().enumerate().map(truth).collect()
     }
 
-    /// Bounds of `Fs` and `Fp`, N, from the samples that really came.
+    /// Bounds of `Fs` and `Fp`, N, for the samples of the record.
     fn bound(&self, samples: &[Sample], event: &TrueEvent, end_s: f64) -> Option<(f64, f64)> {
         let noise_n = self.scene.measurement.white_n;
         if noise_n <= 0.0 || !self.scene.is_linear() || event.slack {
@@ -283,7 +283,7 @@ pub(super) mod tests {
         let events = records.iter().flat_map(|record| record.judged());
         assert!(events.clone().count() >= 100);
         assert!(events.clone().all(|e| (e.mu_s - 1.24).abs() < 1e-9));
-        // 0.32 and 0.14 sigma over the weight, by the phase of the samples.
+        // 0.32 and 0.14 sigma over the weight, depending on the sampling phase.
         let bound = |e: &Truth| e.bound.unwrap();
         assert!(events.clone().all(|e| (0.0005..0.002).contains(&bound(e).0)));
         assert!(events.clone().all(|e| (0.0003..0.0006).contains(&bound(e).1)));

@@ -1,31 +1,31 @@
-//! Cuts a whole record into events, with limits taken from the record itself.
+//! Cuts a whole record into events, with limits taken from the record.
 
 use super::cutter::{Cut, Cutter};
 use super::method::{Sample, Setup};
 
-/// Least fall and rise, standard deviations of the noise.
+/// Smallest fall and rise, in standard deviations of the noise.
 const FALL_STDS: f32 = 7.0;
 const RISE_STDS: f32 = 4.0;
-/// Least fall, parts of the large drops of the record.
+/// Smallest fall, as a fraction of the record's large drops.
 const FALL_PART: f32 = 0.25;
-/// Least fall at most, parts of the range of the forces: where the block hardly
-/// rests, the second differences are no noise.
+/// Upper limit of the smallest fall, as a fraction of the range of the forces: where the block
+/// hardly rests, second differences do not measure the noise.
 const FALL_RANGE: f32 = 0.3;
-/// A large drop: not exceeded by this part of all.
+/// Quantile that defines a large drop.
 const LARGE: f64 = 0.9;
-/// Least fall, parts of the weight.
+/// Smallest fall, as a fraction of the weight.
 const FALL_WEIGHT: f32 = 0.04;
 
-/// Where an event is: times, s, and forces, N.
+/// Position of an event: times, s, and forces, N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// Lowest sample before, or the start.
+    /// Time of the lowest sample before, or of the start.
     pub from_s: f64,
-    /// Highest sample.
+    /// Time and force of the highest sample.
     pub peak: (f64, f64),
-    /// Lowest sample.
+    /// Time and force of the lowest sample.
     pub low: (f64, f64),
-    /// Just before the highest sample after, or the end.
+    /// Time just before the highest sample after the event, or of the end.
     pub to_s: f64,
 }
 
@@ -57,8 +57,7 @@ pub fn segments(setup: &Setup, samples: &[Sample]) -> Vec<Segment> {
     turns.iter().enumerate().map(segment).collect()
 }
 
-/// Highest sample after the last slip: a slip that the end of the record cuts comes
-/// later.
+/// Highest sample after the last slip; a slip cut by the end of the record begins later.
 fn highest_after(samples: &[Sample], low: &Sample) -> Sample {
     let after = samples.iter().filter(|s| s.index >= low.index);
     *after.max_by(|a, b| a.force_n.total_cmp(&b.force_n)).unwrap_or(low)
@@ -71,7 +70,7 @@ fn cuts(mut cutter: Cutter, samples: &[Sample]) -> impl Iterator<Item = (Sample,
     })
 }
 
-/// Range of the forces without the outermost hundredth at both ends, N.
+/// Range of the forces without the outermost percent at both ends, N.
 fn range_n(samples: &[Sample]) -> f32 {
     let mut forces_n: Vec<f32> = samples.iter().map(|s| s.force_n).collect();
     forces_n.sort_by(f32::total_cmp);

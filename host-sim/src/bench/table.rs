@@ -1,10 +1,10 @@
-//! The comparison as tables, and as aligned text.
+//! The comparison as tables and as aligned text.
 
 use std::fmt::Write;
 
 use super::result::{BenchResult, Row};
 
-/// Title of a column, and its number in a row.
+/// Title of a column, and the function for its value.
 type Column = (&'static str, fn(&Row) -> Option<f64>);
 
 const OVER_BOUND: [Column; 2] =
@@ -30,13 +30,13 @@ const TIMES: [Column; 3] = [
 /// One of the comparison's tables.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// Titles of the columns behind the names of the rows.
+    /// Titles of the columns after the names.
     pub titles: Vec<&'static str>,
     /// Name and cells of each row.
     pub rows: Vec<(String, Vec<String>)>,
 }
 
-/// A block of text for each scene, then the summary.
+/// Text with a table per scene, then the summary.
 #[must_use]
 pub fn text(result: &BenchResult) -> String {
     let mut out = String::new();
@@ -58,7 +58,7 @@ pub fn text(result: &BenchResult) -> String {
     out
 }
 
-/// The rows of one scene each.
+/// The rows of each scene.
 pub fn blocks(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
     rows.chunk_by(|a, b| a.scene == b.scene && a.noise_percent.total_cmp(&b.noise_percent).is_eq())
 }
@@ -99,7 +99,7 @@ fn cells(columns: &[Column], row: &Row) -> Vec<String> {
     columns.iter().map(|(_, of)| of(row).map_or_else(|| "-".to_owned(), short)).collect()
 }
 
-/// The methods on one scene.
+/// Table of the methods in one scene.
 #[must_use]
 pub fn scene(block: &[Row]) -> Table {
     let errors = [OVER_BOUND, RMS, BIAS, P95].concat();
@@ -113,8 +113,8 @@ pub fn scene(block: &[Row]) -> Table {
     }
 }
 
-/// Each method over the linear or the hard scenes: median, and the worst in brackets. What it
-/// keeps between samples is the same in all of them.
+/// Table of each method over the linear or hard scenes: median, and the worst value in brackets.
+/// The memory between samples is equal in all scenes.
 #[must_use]
 pub fn summary(result: &BenchResult, linear: bool) -> Table {
     let errors = [OVER_BOUND, RMS, P95].concat();
@@ -145,7 +145,7 @@ pub fn summary(result: &BenchResult, linear: bool) -> Table {
     }
 }
 
-/// The scenes that were counted on the board: instructions beside errors.
+/// Table of the scenes counted on the board: instructions and errors.
 #[must_use]
 pub fn board(result: &BenchResult) -> Table {
     let errors = [OVER_BOUND, RMS, P95].concat();
@@ -161,7 +161,7 @@ pub fn board(result: &BenchResult) -> Table {
     }
 }
 
-/// The methods in their order.
+/// Names of the methods in order.
 #[must_use]
 pub fn methods(result: &BenchResult) -> Vec<&str> {
     blocks(&result.rows).next().unwrap_or_default().iter().map(|row| row.method.as_str()).collect()

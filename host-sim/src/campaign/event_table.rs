@@ -1,5 +1,5 @@
-//! One tidy table of all events as a Parquet file: a row an event, with what is
-//! known about its test in every row.
+//! A Parquet table of all events: one row per event, with the data of its test repeated in every
+//! row.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -13,10 +13,10 @@ use parquet::schema::types::{Type, TypePtr};
 use super::{EventRecord, TestRecord, simulated};
 use crate::columnar;
 
-/// Of the table, in its metadata: `index` has the name it has in JSON, no reason is null.
+/// Schema of the table, in its metadata: `index` has its name in JSON, a missing reason is null.
 pub const SCHEMA: &str = "floe-events/2";
 
-/// Events in a group of rows.
+/// Events in a row group.
 const GROUP: usize = 100_000;
 
 /// A row: an event and its test.
@@ -34,8 +34,8 @@ enum Column {
 
 use Column::{Integer, Maybe, MaybeText, Number, Text, Truth};
 
-/// The columns. Units are in the names, as everywhere, and the names are those of a replay's
-/// JSON; an interval has its two ends in columns of their own, as in the CSV of events.
+/// The columns. Names, with their units, are those of a replay's JSON; an interval has its two ends
+/// in separate columns, as in the CSV of events.
 const COLUMNS: [(&str, Column); 46] = [
     ("campaign", Integer(|(t, _)| t.campaign)),
     ("test", Integer(|(t, _)| t.test)),
@@ -85,7 +85,7 @@ const COLUMNS: [(&str, Column); 46] = [
     ("energy_j_std", Maybe(|(_, e)| e.measured.energy_j_std)),
 ];
 
-/// Numbers that are the same in all events of a test.
+/// Columns whose value is the same in all events of a test.
 const OF_TEST: [&str; 7] = [
     "weight_n",
     "winch_m_per_s",
@@ -96,7 +96,7 @@ const OF_TEST: [&str; 7] = [
     "supply_v",
 ];
 
-/// Columns of numbers that are an event's own.
+/// Numeric columns whose value differs between events.
 fn measured() -> impl Iterator<Item = &'static str> {
     let is_number = |column: &Column| matches!(column, Number(_) | Maybe(_));
     let own =
@@ -124,7 +124,7 @@ fn field(name: &str, column: &Column) -> Result<TypePtr> {
     Ok(Arc::new(builder.build()?))
 }
 
-/// Writes tests as they come. Rows are gathered and written in groups.
+/// Writer of tests and their events. Rows are gathered and written in groups.
 pub struct EventTable<W: Write + Send> {
     writer: SerializedFileWriter<W>,
     waiting: Vec<TestRecord>,
@@ -140,10 +140,10 @@ impl<W: Write + Send> std::fmt::Debug for EventTable<W> {
 }
 
 impl<W: Write + Send> EventTable<W> {
-    /// Begins the file; `about` goes into its metadata, beside the schema and the version.
+    /// Begins the file; `about` is added to its metadata, after the schema and the version.
     ///
     /// # Errors
-    /// Of the writer.
+    /// Errors of the writer.
     pub fn new(out: W, about: &[(&str, String)]) -> Result<Self> {
         let about = [&[("schema", SCHEMA.to_string())], about].concat();
         let properties = columnar::properties(&about, measured());
@@ -151,10 +151,10 @@ impl<W: Write + Send> EventTable<W> {
         Ok(Self { writer, waiting: Vec::new(), events: 0, tests: 0, synthetic_tests: 0 })
     }
 
-    /// Takes a test with its events.
+    /// Adds a test with its events.
     ///
     /// # Errors
-    /// Of the writer.
+    /// Errors of the writer.
     pub fn push(&mut self, test: TestRecord) -> Result<()> {
         self.events += test.events.len();
         self.tests += 1;
@@ -163,10 +163,10 @@ impl<W: Write + Send> EventTable<W> {
         if self.events >= GROUP { self.write_group() } else { Ok(()) }
     }
 
-    /// Ends the file, and says in its metadata if a test was simulated.
+    /// Ends the file; its metadata state whether a test was simulated.
     ///
     /// # Errors
-    /// Of the writer.
+    /// Errors of the writer.
     pub fn finish(mut self) -> Result<()> {
         self.write_group()?;
         if let Some(said) = simulated(self.synthetic_tests, self.tests) {

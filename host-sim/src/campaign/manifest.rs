@@ -1,13 +1,13 @@
-//! A table of logs and of what they do not say themselves: `tests.csv`.
+//! The table `tests.csv`: logs, and information that the logs do not contain.
 //!
 //! ```text
 //! file,array_id,column,weight_n,slope_deg,snow_mm,kind,test_id
 //! day3.dat,118,5,630,0,10,sliding,DFF8-13
 //! ```
 //!
-//! The first line names the columns, in any order; `file` is needed, the rest where it is
-//! known. What the table says stands before what the log says. It may be a spreadsheet's: with
-//! semicolons or tabs, and decimal commas.
+//! The first line names the columns in any order; only `file` is required. Values of the table take
+//! precedence over those of the log. The table may come from a spreadsheet: with semicolons or
+//! tabs, and decimal commas.
 
 use std::path::{Path, PathBuf};
 
@@ -24,22 +24,22 @@ use crate::rounding::counted;
 /// Name of the table in a directory of logs.
 pub const NAME: &str = "tests.csv";
 
-/// A log and what is known beside it.
+/// A log and the information about it in the table.
 #[derive(Clone, Debug, Default)]
 pub struct Entry {
     /// The log.
     pub path: PathBuf,
-    /// Where its forces are.
+    /// Position and format of the forces in the log.
     pub log: LogOptions,
-    /// What was pulled.
+    /// Properties of the test.
     pub test: TestOptions,
-    /// The notebook.
+    /// Notes on the test.
     pub notes: Notes,
-    /// Line of the table or list that names it; 0 for what was found in a directory.
+    /// Line of the table or list with the log; 0 for a log found in a directory.
     pub line: u64,
 }
 
-/// What is written down of a test and not computed with.
+/// Notes on a test that do not enter the computation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notes {
     /// Name of the test.
@@ -54,7 +54,7 @@ pub struct Notes {
     pub cable_length_m: Option<f64>,
 }
 
-/// The columns that there are.
+/// Known columns.
 pub(super) const COLUMNS: [&str; 13] = [
     "file",
     "array_id",
@@ -71,16 +71,16 @@ pub(super) const COLUMNS: [&str; 13] = [
     "test_id",
 ];
 
-/// What may separate its cells.
+/// Possible separators of the cells.
 const SEPARATORS: [u8; 3] = *b",;\t";
 
-/// Whether a text begins as such a table does.
+/// Whether a text begins like such a table.
 #[must_use]
 pub fn is_manifest(text: &str) -> bool {
     Head::find(text).is_some()
 }
 
-/// Reads a table; the files lie beside it.
+/// Reads a table; paths are relative to its folder.
 ///
 /// # Errors
 /// A line that cannot be read, with its number.
@@ -102,7 +102,7 @@ fn there_are() -> String {
     format!("there are: {}", COLUMNS.join(", "))
 }
 
-/// Lines with their numbers, without comments, empty ones and a spreadsheet's `sep=;`.
+/// Lines with their numbers, without comments, empty lines and a spreadsheet's `sep=;`.
 fn rows(text: &str) -> impl Iterator<Item = (u64, &str)> {
     let says =
         |row: &str| !row.trim().is_empty() && !row.starts_with('#') && !row.starts_with("sep=");
@@ -117,7 +117,7 @@ struct Head {
 }
 
 impl Head {
-    /// The first row, cut by what gives it a column of files.
+    /// The first row, cut by the separator that gives a column of files.
     fn find(text: &str) -> Option<Self> {
         let (line, row) = rows(text).next()?;
         SEPARATORS.into_iter().find_map(|separator| {
@@ -127,7 +127,7 @@ impl Head {
         })
     }
 
-    /// Refuses names that are none, or there twice.
+    /// Rejects unknown and repeated names.
     fn check(&self) -> Result<(), String> {
         for (place, name) in self.names.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
             let said = excerpt(name.as_bytes());
@@ -168,7 +168,7 @@ impl Head {
 }
 
 impl Entry {
-    /// Takes a cell.
+    /// Stores a cell.
     fn set(&mut self, name: &str, cell: &str, folder: &Path) -> Result<(), String> {
         let (log, test, notes) = (&mut self.log, &mut self.test, &mut self.notes);
         let wants = |what: &str| format!("has {}: write {what}", excerpt(cell.as_bytes()));
@@ -199,7 +199,7 @@ impl Entry {
         Ok(())
     }
 
-    /// Refuses what the core would, and what contradicts itself.
+    /// Rejects values that the core would reject, and contradictions.
     fn check(&self) -> Result<(), String> {
         let steepest_deg = f64::from(Config::STEEPEST_RAD).to_degrees().floor();
         let TestOptions { weight_n, mass_kg, slope_deg, winch_m_per_s, .. } = self.test;

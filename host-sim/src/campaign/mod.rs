@@ -1,4 +1,4 @@
-//! Many tests together: trends against weight, pull rate and snow.
+//! Evaluation of many tests: trends against weight, pull rate and snow.
 //!
 //! ```text
 //!  programme (simulated) ─┐
@@ -7,8 +7,8 @@
 //!                                  └─► one table of events (Parquet)
 //! ```
 //!
-//! Tests are independent and are computed in parallel; they are collected in
-//! their order, so that the outcome does not depend on the number of threads.
+//! Tests are independent and computed in parallel, and collected in order, so that the result does
+//! not depend on the number of threads.
 
 pub mod event_table;
 pub mod manifest;
@@ -59,26 +59,26 @@ pub struct TestRecord {
     pub mu: CoefficientSummary,
     /// Number of events.
     pub event_count: usize,
-    /// What a reader of its numbers should know of the log.
+    /// Warnings about the log.
     pub warnings: Vec<String>,
-    /// What a simulator says of it; `null` for a measured test.
+    /// Description by the simulator; `null` for a measured test.
     pub synthetic: Option<String>,
-    /// What its forces come to, to find a log that is there twice.
+    /// Hash of the forces, to find copies of a log.
     #[serde(skip)]
     pub forces: u64,
-    /// Every event, until they are in the table.
+    /// All events, until they are written to the table.
     #[serde(skip)]
     pub events: Vec<EventRecord>,
 }
 
 impl TestRecord {
-    /// Whether another test is of the very same forces, as one log that is there twice is.
+    /// Whether another test has exactly the same forces, like a copy of the log.
     #[must_use]
     pub fn is_same_as(&self, other: &Self) -> bool {
         self.event_count > 0 && self.forces == other.forces
     }
 
-    /// Mean of the rests of some events, s.
+    /// Mean rest of some events, s.
     #[must_use]
     pub fn mean_hold_s(events: &[EventRecord]) -> Option<f64> {
         let rests: Vec<f64> = events.iter().filter_map(|event| event.measured.stick_s).collect();
@@ -93,7 +93,7 @@ impl TestRecord {
     }
 }
 
-/// What is said over everything else of tests of which so many were simulated.
+/// Warning for a campaign in which `synthetic` of the tests were simulated.
 #[must_use]
 pub fn simulated(synthetic: usize, tests: usize) -> Option<String> {
     match synthetic {
@@ -106,7 +106,7 @@ pub fn simulated(synthetic: usize, tests: usize) -> Option<String> {
 /// One event of a test.
 #[derive(Clone, Debug)]
 pub struct EventRecord {
-    /// As replayed.
+    /// The event as evaluated by the replay.
     pub measured: EventSummary,
     /// True `mu_s`, for a simulated event.
     pub true_mu_s: Option<f64>,

@@ -24,12 +24,12 @@ use super::{EventRecord, TestRecord};
 /// Tests in one programme.
 pub const TESTS: u32 = 25;
 
-/// Published means `(mu_s, mu)` without snow, with snow, of all tests; 1.0 is printed with
-/// one decimal.
+/// Published means `(mu_s, mu)` without snow, with snow, and of all tests; 1.0 is printed with one
+/// decimal.
 pub const PUBLISHED: [(f64, f64); 3] = [(0.76, 0.51), (1.0, 0.62), (0.91, 0.56)];
 
-/// Means `(mu_s, mu)` without and with snow that print as [`PUBLISHED`], and whose mean
-/// over 12 and 13 tests does: 0.906 and 0.564.
+/// Means `(mu_s, mu)` without and with snow that round to [`PUBLISHED`], as does their mean over 12
+/// and 13 tests: 0.906 and 0.564.
 pub const MEANS: [(f64, f64); 2] = [(0.76, 0.507), (1.04, 0.617)];
 
 const LIGHTEST_N: f64 = 300.0;
@@ -45,7 +45,7 @@ fn trend(weight_n: f64, snow: bool) -> f64 {
     if snow { heavy * (1.0 + 0.25 * light) } else { heavy }
 }
 
-/// Mean of [`trend`] over the weights that are drawn, even in their logarithm.
+/// Mean of [`trend`] over the distribution of weights, which is uniform in the logarithm.
 fn mean_trend(snow: bool) -> f64 {
     let steps = 200;
     let at = |i: i32| (f64::from(i) + 0.5) / f64::from(steps);
@@ -64,7 +64,7 @@ pub fn scene(seed: u64, campaign: u32, test: u32) -> (Scene, u64) {
     let uniform = |random: &mut ChaCha8Rng| -> f64 { StandardUniform.sample(random) };
     let normal = |random: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(random) };
 
-    // Weights spread over their range within each group.
+    // Weights are spread over their range within each group.
     let snow = test.is_multiple_of(2);
     let in_group = f64::from(if snow { TESTS.div_ceil(2) } else { TESTS / 2 });
     let weight_n = weight_n((f64::from(test / 2) + uniform(&mut random)) / in_group).round();
@@ -91,10 +91,10 @@ pub fn scene(seed: u64, campaign: u32, test: u32) -> (Scene, u64) {
     (scene, random.next_u64())
 }
 
-/// Simulates one test and evaluates it.
+/// Simulates and evaluates one test.
 ///
 /// # Errors
-/// A scene that cannot be simulated or evaluated.
+/// A scene cannot be simulated or evaluated.
 pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, InputError> {
     let (scene, seed_of_test) = scene(seed, campaign, test);
     let mut run = Run::new(&scene, seed_of_test).map_err(InputError::new)?;
@@ -157,7 +157,7 @@ fn config(scene: &Scene) -> Config {
     }
 }
 
-/// The true event whose slip overlaps the measured one's.
+/// Adds the true event whose slip overlaps the measured one.
 fn with_truth(measured: EventSummary, truth: &[TrueEvent]) -> EventRecord {
     let after = truth.partition_point(|t| t.stop_s < measured.onset_s);
     let same = truth.get(after).filter(|t| t.onset_s <= measured.stop_s);
@@ -191,8 +191,8 @@ mod tests {
         assert!((trend(2250.0, true) / trend(2250.0, false) - 1.0).abs() < 1e-12);
     }
 
-    /// Half a unit of the last printed digit: with 13 tests on snow and 12 on bare ice all
-    /// six printed means hold together.
+    /// Tolerance of half a unit of the last printed digit: with 13 tests on snow and 12 on bare ice
+    /// all six printed means are consistent.
     #[test]
     fn the_published_means_hold_together() {
         let all = |of: fn((f64, f64)) -> f64| (12.0 * of(MEANS[0]) + 13.0 * of(MEANS[1])) / 25.0;

@@ -19,7 +19,7 @@ use crate::short_file;
 use super::manifest::{self, Entry};
 use super::{EventRecord, TestRecord, remedy};
 
-/// Names of files in a directory that are taken for logs.
+/// Extensions of files in a directory that are taken for logs.
 const EXTENSIONS: [&str; 4] = ["csv", "dat", "txt", "log"];
 
 /// The logs of a campaign.
@@ -27,18 +27,17 @@ const EXTENSIONS: [&str; 4] = ["csv", "dat", "txt", "log"];
 pub struct Logs {
     /// One for each test.
     pub entries: Vec<Entry>,
-    /// What was not read, and why, one sentence each.
+    /// Files that were not read, with the reason, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// The logs of a directory by name (`.csv`, `.dat`, `.txt`, `.log`), with what its
-/// `tests.csv` says of them; the files named in a list, one a line, relative to the list,
-/// `#` begins a comment; or those of a table like `tests.csv`. What a logger said, as
-/// `floe recover` leaves it beside each log, is no log, and a log that it wrote in two forms
-/// is one.
+/// The logs of a campaign. In a directory, files are recognized by name (`.csv`, `.dat`, `.txt`,
+/// `.log`), with the information in its `tests.csv`. A list names one file per line, relative to
+/// the list, with comments after `#`; a table has the form of `tests.csv`. The console output that
+/// `floe recover` writes next to each log is skipped, and a log written in two forms counts once.
 ///
 /// # Errors
-/// A path that cannot be read, a log that is there twice, or none at all.
+/// A path that cannot be read, a log that is named twice, or no log.
 pub fn logs(path: &Path) -> Result<Logs, InputError> {
     let found = if path.is_dir() { in_directory(path) } else { listed(path) };
     let logs = found.map_err(|error| error.within(path.display()))?;
@@ -51,7 +50,7 @@ pub fn logs(path: &Path) -> Result<Logs, InputError> {
 
 fn in_directory(folder: &Path) -> Result<Logs, InputError> {
     let table = folder.join(manifest::NAME);
-    // A link that leads nowhere is there too.
+    // A broken link counts as present.
     let mut entries = if table.symlink_metadata().is_ok() {
         tabled(&table).map_err(|error| error.within(manifest::NAME))?
     } else {
@@ -69,7 +68,7 @@ fn in_directory(folder: &Path) -> Result<Logs, InputError> {
                 free.insert(path.clone());
                 entries.push(Entry { path, ..Entry::default() });
             }
-            // The table names it.
+            // The log is in the table already.
             Slot::Occupied(same) if same.get().file_name() == path.file_name() => {}
             Slot::Occupied(same) => {
                 let (path, same) = (path.display(), same.get().display());
@@ -80,8 +79,8 @@ fn in_directory(folder: &Path) -> Result<Logs, InputError> {
     Ok(Logs { entries, notes })
 }
 
-/// The logs of a directory by their names, also those that cannot be opened, which is said of each
-/// later; and what was not read, one sentence each.
+/// The logs of a directory by name, including those that cannot be opened, which are reported
+/// later; and the files not read, one sentence each.
 fn content(folder: &Path) -> Result<(Vec<PathBuf>, Vec<String>), InputError> {
     let (mut logs, mut notes, mut folders) = (Vec::new(), Vec::new(), 0_u64);
     for entry in fs::read_dir(folder).map_err(|error| InputError::unreadable(&error))? {
@@ -106,15 +105,15 @@ fn content(folder: &Path) -> Result<(Vec<PathBuf>, Vec<String>), InputError> {
     Ok((logs, notes))
 }
 
-/// What is one log by whatever path: its own, without links; of a test that `floe recover` wrote
-/// in two forms, that of the CSV.
+/// Identifies a log on any path: its path without links; for the second form of a test written by
+/// `floe recover`, the path of the CSV.
 fn identity(path: &Path) -> PathBuf {
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let csv = path.with_extension("csv");
     if csv.is_file() && head(&path).starts_with("\"TOA5\",\"floe\",\"floe\",") { csv } else { path }
 }
 
-/// Refuses a log that two lines name, unless each takes another force of it.
+/// Rejects a log named on two lines, unless each line uses another force of it.
 fn once(entries: &[Entry]) -> Result<(), InputError> {
     let mut lines = HashMap::new();
     for Entry { path, log, line, .. } in entries {
@@ -163,14 +162,14 @@ fn has_name_of_log(path: &Path) -> bool {
     extension.is_some_and(|e| EXTENSIONS.contains(&e.to_ascii_lowercase().as_str()))
 }
 
-/// The beginning of a file; nothing of one that cannot be read.
+/// The beginning of a file; empty if it cannot be read.
 fn head(path: &Path) -> String {
     let mut head = Vec::new();
     let _ = File::open(path).and_then(|file| file.take(512).read_to_end(&mut head));
     String::from_utf8_lossy(&head).into_owned()
 }
 
-/// Whether a file holds the lines of a logger's console, or would if the logger had said any.
+/// Whether a file contains the output of a logger's console, or would if there were any.
 fn is_said(path: &Path) -> bool {
     let head = head(path);
     let is_line =
@@ -183,10 +182,10 @@ fn is_said(path: &Path) -> bool {
     }
 }
 
-/// Replays one log; weight and all else must be in its metadata or in the table.
+/// Replays one log; the weight and other inputs must be in its metadata or in the table.
 ///
 /// # Errors
-/// A log that cannot be used, by its name.
+/// A log that cannot be used, with its name.
 pub fn evaluate(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
     let read = read(entry, test);
     read.map_err(|error| remedy::of_error(&error).within(entry.path.display()))

@@ -1,16 +1,17 @@
-//! What to do about a log in a campaign, which has a table `tests.csv` where a replay has options.
+//! Advice for logs in a campaign, where the table `tests.csv` takes the place of a replay's
+//! options.
 
 use crate::error::InputError;
 
 use super::manifest::COLUMNS;
 
-/// A problem with what helps here.
+/// A problem, with advice for a campaign.
 pub fn of_error(error: &InputError) -> InputError {
     InputError::new(of_text(&error.to_string()))
 }
 
-/// A sentence with what helps here: the column where it names an option that is one, and what to do
-/// where it names another. Every message names an option as a command line has it, `--weight-n`.
+/// A sentence with advice for a campaign: an option such as `--weight-n` is replaced by the column
+/// if there is one, or by what to do instead.
 pub fn of_text(text: &str) -> String {
     let mut pieces = text.split("--");
     let mut said = pieces.next().unwrap_or_default().to_string();

@@ -1,4 +1,4 @@
-//! What a campaign tells as a whole.
+//! Results of a campaign as a whole.
 
 use std::fmt::Write;
 
@@ -10,13 +10,13 @@ use super::{TestRecord, simulated};
 use crate::replay::result::CoefficientSummary;
 use crate::rounding::{decimals, own_digits, plus_minus};
 
-/// Name and version of this format; changes when a meaning changes.
+/// Name and version of the format; changes if a meaning changes.
 pub const SCHEMA: &str = "floe-campaign/1";
 
-/// Most tests that are listed one by one.
+/// Largest number of tests that are listed individually.
 const MOST_LISTED: usize = 200;
 
-/// A campaign, or many of them, as a whole.
+/// Results of one or more campaigns.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// [`SCHEMA`].
@@ -33,11 +33,11 @@ pub struct Summary {
     pub events: u64,
     /// Means of the groups.
     pub groups: Vec<GroupMeans>,
-    /// Straight lines.
+    /// Fitted straight lines.
     pub trends: Vec<NamedTrend>,
-    /// Logs that were left out, and why.
+    /// Logs that were left out, with the reason.
     pub left_out: Vec<String>,
-    /// The tests one by one, if they are not too many.
+    /// The individual tests, if there are not too many.
     pub records: Vec<TestRecord>,
 }
 
@@ -50,40 +50,40 @@ pub struct GroupMeans {
     pub mu_s: Option<Mean>,
     /// Dynamic coefficient.
     pub mu: Option<Mean>,
-    /// What the tests may have in common, as tests with one instrument have: the mean of their
-    /// systematic standard deviations of `mu_s`. No number of tests averages it out.
+    /// Uncertainty that the tests may have in common, as with one instrument: mean of their
+    /// systematic standard deviations of `mu_s`. It does not average out over tests.
     pub mu_s_systematic_std: Option<f64>,
-    /// That of `mu`.
+    /// Mean of the systematic standard deviations of `mu`.
     pub mu_systematic_std: Option<f64>,
-    /// Published mean of `mu_s`; `null` for how a block was pulled.
+    /// Published mean of `mu_s`; `null` for groups by the kind of pull.
     pub published_mu_s: Option<f64>,
     /// Published mean of `mu`.
     pub published_mu: Option<f64>,
 }
 
 impl GroupMeans {
-    /// Number of tests that count.
+    /// Number of tests with a value.
     #[must_use]
     pub fn tests(&self) -> usize {
         self.mu_s.or(self.mu).map_or(0, |mean| mean.tests)
     }
 }
 
-/// A straight line and what it is of.
+/// A straight line with its coefficient, variable and group.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct NamedTrend {
     /// Which coefficient.
     pub coefficient: Coefficient,
-    /// Against what.
+    /// The independent variable.
     pub against: Against,
-    /// Of which tests.
+    /// The group of tests.
     pub group: Group,
     /// The line.
     pub trend: Trend,
 }
 
 impl Summary {
-    /// Sums tests up.
+    /// Computes the summary of tests.
     #[must_use]
     pub fn new(tests: &[TestRecord], events: u64, seed: Option<u64>) -> Self {
         let of = |group: Group, value: fn(&TestRecord) -> Option<f64>| {
@@ -120,7 +120,7 @@ impl Summary {
         }
     }
 
-    /// What is said over everything else if a test was simulated.
+    /// Warning if a test was simulated.
     #[must_use]
     pub fn simulated(&self) -> Option<String> {
         simulated(self.synthetic_tests, self.tests)
@@ -193,19 +193,19 @@ impl Summary {
     }
 }
 
-/// A mean with the digits it was published with.
+/// A published mean with its published digits.
 #[must_use]
 pub fn published(mean: Option<f64>) -> String {
     mean.map_or("-".to_owned(), |mean| format!("{mean:?}"))
 }
 
-/// What tests may have in common.
+/// Text of an uncertainty common to the tests.
 #[must_use]
 pub fn systematic(std: Option<f64>) -> String {
     std.map_or("-".to_owned(), own_digits)
 }
 
-/// A test's coefficient with all that is known of its uncertainty.
+/// Text of a test's coefficient with its combined uncertainty.
 #[must_use]
 pub fn of_test(value: &CoefficientSummary) -> String {
     match (value.mean, value.combined_std) {
@@ -215,7 +215,7 @@ pub fn of_test(value: &CoefficientSummary) -> String {
     }
 }
 
-/// The mean of several tests with its standard error, or without where they do not scatter.
+/// Text of a mean over tests with its standard error, or without if the tests do not scatter.
 #[must_use]
 pub fn of_group(mean: Option<Mean>) -> String {
     match mean {
@@ -225,8 +225,8 @@ pub fn of_group(mean: Option<Mean>) -> String {
     }
 }
 
-/// All lines that can be drawn: against weight and pull rate for each group,
-/// against snow for all tests.
+/// All lines that can be fitted: against weight and pull rate for each group, against snow for all
+/// tests.
 fn trends(tests: &[TestRecord]) -> Vec<NamedTrend> {
     let mut trends = Vec::new();
     for coefficient in Coefficient::ALL {

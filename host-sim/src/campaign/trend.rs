@@ -8,12 +8,12 @@ use crate::rounding::LEAST;
 /// A mean over tests.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Mean {
-    /// Tests that count.
+    /// Number of tests with a value.
     pub tests: usize,
     /// Mean.
     pub mean: f64,
-    /// Standard error of the mean, from the scatter between tests; `null` where there is none:
-    /// of one test, or of the same test again.
+    /// Standard error of the mean from the scatter between tests; `null` for one test or for
+    /// repetitions of the same test.
     pub std_error: Option<f64>,
 }
 
@@ -31,26 +31,26 @@ pub fn mean(values: &[f64]) -> Option<Mean> {
     Some(Mean { tests: values.len(), mean, std_error: scatters.then_some(std_error) })
 }
 
-/// A straight line through tests, `y = value + slope (x - centre)`, by least
-/// squares; the uncertainties are one standard deviation from the scatter.
+/// A least-squares line through tests, `y = value + slope (x - centre)`; the uncertainties are
+/// standard deviations from the scatter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Trend {
-    /// Tests that count.
+    /// Number of tests with a value.
     pub tests: usize,
     /// Mean of `x`.
     pub centre: f64,
-    /// `y` there.
+    /// `y` at the centre.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error of the value at the centre.
     pub value_std_error: f64,
     /// Slope.
     pub slope: f64,
-    /// Its standard error.
+    /// Standard error of the slope.
     pub slope_std_error: f64,
 }
 
 impl Trend {
-    /// The line at `x` and its standard error there.
+    /// Value of the line at `x`, and its standard error.
     #[must_use]
     pub fn at(&self, x: f64) -> (f64, f64) {
         let from_centre = x - self.centre;
@@ -59,7 +59,7 @@ impl Trend {
     }
 }
 
-/// The line through points `(x, y)`; `None` for fewer than three, or one `x` only.
+/// The line through points `(x, y)`; `None` for fewer than three points, or for equal `x`.
 #[must_use]
 pub fn trend(points: &[(f64, f64)]) -> Option<Trend> {
     if points.len() < 3 {
@@ -85,7 +85,7 @@ pub fn trend(points: &[(f64, f64)]) -> Option<Trend> {
     })
 }
 
-/// Which tests belong together.
+/// A group of tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Group {
@@ -93,7 +93,7 @@ pub enum Group {
     NoSnow,
     /// On snow.
     Snow,
-    /// All.
+    /// All tests.
     All,
     /// Pulled over level or sloping ice.
     Sliding,
@@ -106,10 +106,10 @@ pub enum Group {
 impl Group {
     /// In the order of the published means.
     pub const ALL: [Self; 3] = [Self::NoSnow, Self::Snow, Self::All];
-    /// By how the block was pulled.
+    /// Groups by the kind of pull.
     pub const KINDS: [Self; 3] = [Self::Sliding, Self::Rafting, Self::OverRiding];
 
-    /// Name for people.
+    /// Name in text output.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -122,7 +122,7 @@ impl Group {
         }
     }
 
-    /// Whether a test belongs to it.
+    /// Whether a test belongs to the group.
     #[must_use]
     pub fn holds(self, test: &TestRecord) -> bool {
         match self {
@@ -136,7 +136,7 @@ impl Group {
     }
 }
 
-/// Which coefficient.
+/// One of the two coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Coefficient {
@@ -147,10 +147,10 @@ pub enum Coefficient {
 }
 
 impl Coefficient {
-    /// Both.
+    /// Both coefficients.
     pub const ALL: [Self; 2] = [Self::MuS, Self::Mu];
 
-    /// Its mean over the events of a test.
+    /// Mean of the coefficient over the events of a test.
     #[must_use]
     pub fn of(self, test: &TestRecord) -> Option<f64> {
         match self {
@@ -159,7 +159,7 @@ impl Coefficient {
         }
     }
 
-    /// Name for people.
+    /// Name in text output.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -169,7 +169,7 @@ impl Coefficient {
     }
 }
 
-/// What a coefficient is set against.
+/// Independent variable of a trend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Against {
@@ -184,10 +184,10 @@ pub enum Against {
 }
 
 impl Against {
-    /// All of them.
+    /// All variables.
     pub const ALL: [Self; 4] = [Self::WeightKn, Self::PullMmPerS, Self::SnowMm, Self::HoldDecades];
 
-    /// Its value for a test, if known.
+    /// Value of the variable for a test, if known.
     #[must_use]
     pub fn of(self, test: &TestRecord) -> Option<f64> {
         match self {
@@ -198,7 +198,7 @@ impl Against {
         }
     }
 
-    /// Name and unit for people.
+    /// Name and unit in text output.
     #[must_use]
     pub fn name(self) -> (&'static str, &'static str) {
         match self {
@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(trend(&[(1.0, 2.0), (1.0, 3.0), (1.0, 4.0)]), None);
         assert_eq!(mean(&[]), None);
         assert_eq!(mean(&[2.0]), Some(Mean { tests: 1, mean: 2.0, std_error: None }));
-        // Equal tests do not scatter, also where their sum is rounded.
+        // Equal tests have no scatter, even if their sum is rounded.
         assert_eq!(mean(&[0.1; 3]).and_then(|mean| mean.std_error), None);
         assert_eq!(mean(&[1.0, 3.0]).and_then(|mean| mean.std_error), Some(1.0));
     }

@@ -1,10 +1,9 @@
-//! The board's log back from its card: a log file, or an image of the whole card.
+//! Reads the board's log from its card: a log file, or an image of the whole card.
 //!
-//! Every sector of 512 bytes that carries the mark and a right checksum is a
-//! record, wherever it lies; the file system is not looked at, so that a card with
-//! a broken one gives as much. Records are put together by what identifies their
-//! test, in the order of their numbers; what does not fit together is taken apart
-//! and said.
+//! Every sector of 512 bytes with the signature and a right checksum is a record, at any position.
+//! The file system is not used, so a card with a broken one gives as much. Records are combined by
+//! the identity of their test, in the order of their numbers; contradicting records become separate
+//! recordings, and this is reported.
 
 mod sectors;
 mod stretch;
@@ -28,23 +27,22 @@ pub use summary::{summary, weight};
 pub use text::{COLUMN, Text};
 pub use write::{csv, toa5};
 
-/// One recording of a card: a test, or what a reset left of it.
+/// One recording on a card: a test, or a part of one after a reset.
 #[derive(Clone, Debug)]
 pub struct Test {
-    /// What identifies it.
+    /// Identity of the recording.
     pub part: Part,
-    /// Name for files: number, and name if it has one; no other recording of the
-    /// card has it.
+    /// Unique name for files: number of the test, and its name if there is one.
     pub stem: String,
-    /// What it was computed with on the board.
+    /// Settings of the computation on the board.
     pub settings: Settings,
-    /// Its samples, in order.
+    /// The samples in order.
     pub samples: Vec<Sample>,
-    /// What the board said meanwhile.
+    /// Output of the board during the recording.
     pub lines: String,
-    /// Samples that the board lost because it was busy, during the test.
+    /// Samples lost during the test because the board was busy.
     pub overruns: u32,
-    /// Why it is not the end of the recording before it, if its number says so.
+    /// Reason why it does not continue the previous recording of the same number, if there is one.
     pub split: Option<&'static str>,
     reached: Option<Reached>,
     overruns_before: u32,
@@ -70,12 +68,12 @@ impl Test {
         self.samples.extend(record.samples.iter().copied());
         self.lines.push_str(&record.text);
         self.overruns = record.overruns.wrapping_sub(self.overruns_before);
-        // A zero that was taken after the test belongs to it.
+        // A zero measured after the test belongs to it.
         let after_n = record.settings.zero.after_n;
         self.settings.zero.after_n = after_n.or(self.settings.zero.after_n);
     }
 
-    /// Indices between the first and the last sample that are not there.
+    /// Number of missing indices between the first and the last sample.
     #[must_use]
     pub fn missing(&self) -> u64 {
         let first = self.part.first_index;
@@ -97,9 +95,9 @@ impl Test {
 /// Reads every test of a file or image.
 ///
 /// # Errors
-/// It cannot be read, or there is no record in it.
+/// The input cannot be read, or contains no record.
 pub fn tests(mut input: impl Read + Seek) -> Result<(Vec<Test>, Found), InputError> {
-    // There are devices that give bytes for ever; none of them has an end.
+    // Some devices deliver bytes endlessly; they have no end to seek to.
     let end = input.seek(SeekFrom::End(0)).map_err(|error| InputError::unreadable(&error))?;
     input.seek(SeekFrom::Start(0)).map_err(|error| InputError::unreadable(&error))?;
     let found = sectors::scan(&mut input.by_ref().take(end), |_, _, _| {})?;
@@ -111,7 +109,7 @@ pub fn tests(mut input: impl Read + Seek) -> Result<(Vec<Test>, Found), InputErr
     Ok((tests, found))
 }
 
-/// Recordings of the records at these places, which are in order.
+/// Recordings from the records at these positions, which are in order.
 fn put_together(
     places: &[Place],
     mut read: impl FnMut(&Place) -> Result<Record, InputError>,
@@ -123,21 +121,22 @@ fn put_together(
             take(&mut tests, begin, &read(place)?);
         }
     }
-    // A test that was only ever broken off before its first sample is none.
+    // A test interrupted before its first sample is left out.
     tests.retain(|test| !test.samples.is_empty());
     Ok(tests)
 }
 
-/// Adds a record to the recording that it goes on with, of those from `begin` on.
+/// Adds a record to the recording that it continues, among those from `begin` on.
 fn take(tests: &mut Vec<Test>, begin: usize, record: &Record) {
     let Some(sample) = record.samples.first() else {
-        // Without samples: last words, or settings that were changed between tests.
+        // A record without samples has messages, or settings changed between tests.
         if let Some(test) = tests.get_mut(begin..).and_then(<[Test]>::last_mut) {
             test.add(record);
         }
         return;
     };
-    /// More recordings of one name at once are no logger's, and would cost time.
+    /// Largest number of recordings searched; no logger writes more under one key, and more would
+    /// cost time.
     const OPEN: usize = 8;
     let open = begin.max(tests.len().saturating_sub(OPEN));
     let mut why = None;
@@ -153,7 +152,7 @@ fn take(tests: &mut Vec<Test>, begin: usize, record: &Record) {
     tests.push(test);
 }
 
-/// Gives every recording a name that no other has, whatever file system it is for.
+/// Gives every recording a unique name, also for file systems that ignore case.
 fn name(tests: &mut [Test]) {
     let mut used = BTreeSet::new();
     for test in tests {

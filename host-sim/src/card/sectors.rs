@@ -1,4 +1,4 @@
-//! Finding records in whatever was read from a card.
+//! Finds records in data read from a card.
 
 use std::io::Read;
 
@@ -10,38 +10,39 @@ use crate::error::InputError;
 /// What a scan found.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
-    /// Every record once: by test, then by number.
+    /// Every record once, sorted by test, then by number.
     pub places: Vec<Place>,
-    /// Sectors with the mark but a wrong checksum: torn or damaged. In a log file, where every
-    /// sector is the logger's, those whose mark is damaged too.
+    /// Sectors with the signature and a wrong checksum: torn or damaged. In a log file, which
+    /// contains sectors of the logger only, also those with a damaged signature.
     pub damaged: u64,
-    /// The last sector is not whole: the file was cut off.
+    /// Whether the last sector is incomplete, because the file was cut off.
     pub is_cut_off: bool,
-    /// Numbers between the first and the last record that are not there.
+    /// Missing numbers between the first and the last record.
     pub lost: u64,
     /// Sectors of a newer version.
     pub newer: u64,
-    /// Sectors with a right checksum and a content that no logger writes.
+    /// Sectors with a right checksum and values that no logger writes.
     pub unsound: u64,
-    /// Records that are there more than once, as in a file that was copied twice.
+    /// Repeated records, as in a file that was copied twice.
     pub repeated: u64,
-    /// Sectors that hold something, without the mark: of another file, unless this is a log.
+    /// Sectors with data and without the signature, which belong to other files unless this is a
+    /// log.
     unmarked: u64,
 }
 
-/// Where a record is.
+/// Position of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place {
-    /// Whose it is.
+    /// Key of the recording.
     pub key: Key,
-    /// Its number.
+    /// Number of the record.
     pub sector: u32,
     content: u64,
-    /// Its first byte in the input.
+    /// Offset of the record in the input.
     pub offset: u64,
 }
 
-/// Looks at every sector; `keep` is given those that are records, as they come.
+/// Examines every sector; calls `keep` for every record.
 ///
 /// # Errors
 /// The input cannot be read.
@@ -71,7 +72,7 @@ pub fn scan(
     Ok(found)
 }
 
-/// Whether a logger's log begins so, or goes on so behind damaged sectors.
+/// Whether data begin like a logger's log, possibly after damaged sectors.
 #[must_use]
 pub fn is_log(start: &[u8]) -> bool {
     let is_record =
@@ -93,8 +94,8 @@ fn fill(input: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
 
 impl Found {
     fn take(&mut self, sector: &Sector, offset: u64) -> Option<(Place, Record)> {
-        // The directory's entry of the file begins with the same letters, then a
-        // space where a record has its version.
+        // The directory entry of the file begins with the same letters, followed by a space where a
+        // record has its version.
         if !sector.starts_with(&MAGIC) || sector.get(MAGIC.len()) == Some(&b' ') {
             self.unmarked += u64::from(sector.iter().any(|&byte| byte != 0));
             return None;
@@ -112,7 +113,8 @@ impl Found {
     }
 
     fn put_in_order(&mut self) {
-        // A record's number is its place in the log file: then nothing else is in the input.
+        // If a record's number is its position in the input, the input is a log file and contains
+        // nothing else.
         let in_place = |it: &Place| it.offset == SECTOR_LEN as u64 * u64::from(it.sector);
         if self.places.iter().any(in_place) {
             self.damaged += self.unmarked;

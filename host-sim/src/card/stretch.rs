@@ -1,28 +1,27 @@
-//! Which records are of one recording.
+//! Decides which records belong to one recording.
 //!
-//! A test has an identity of its own. Logs of version 1 have none: there the number of
-//! the test, its first index and its settings have to agree. In both, samples only
-//! go on: an index that steps back, or a clock that does not fit the index, is
-//! another recording.
+//! A test has a unique identity. Logs of version 1 have none; there the number of the test, its
+//! first index and its settings must agree. In both, an index that steps back, or a clock that does
+//! not agree with the index, begins another recording.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use floe_firmware::record::{Part, Record};
 use floe_firmware::sample::Sample;
 
-/// What all records of a part have in common.
+/// Values common to all records of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     run: u32,
     id: Option<u64>,
     number: u32,
     first_index: u32,
-    /// Of what the test was computed with; the identity says as much.
+    /// Hash of the settings, for records without an identity.
     settings: u64,
 }
 
 impl Key {
-    /// Whose record it is.
+    /// Key of a record's recording.
     pub fn new(record: &Record) -> Self {
         let Part { run, id, number, first_index, .. } = record.part;
         let settings = if id.is_some() { 0 } else { hash(&format!("{:?}", record.settings)) };
@@ -30,46 +29,46 @@ impl Key {
     }
 }
 
-/// Only compared within one run of the program.
+/// Hash for comparisons within one run of the program.
 pub fn hash(content: &(impl Hash + ?Sized)) -> u64 {
     let mut hasher = DefaultHasher::new();
     content.hash(&mut hasher);
     hasher.finish()
 }
 
-/// How far a recording has come.
+/// Last sample of a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Reached {
     index: u32,
     stamp: u32,
-    /// Ticks of the clock in a sampling period.
+    /// Ticks of the clock per sampling period.
     ticks: f64,
 }
 
-/// How the next samples stand to what a recording has.
+/// Relation of the next samples to a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
-    /// They go on, perhaps after a gap.
+    /// They continue it, possibly after a gap.
     Follows,
-    /// They are there already, or before it.
+    /// They are at or before its last index.
     StepsBack,
-    /// Their clock is another: the board was started anew in between.
+    /// Their clock differs, because the board was restarted in between.
     OtherClock,
 }
 
 impl Reached {
-    /// The end of a record; `None` without samples.
+    /// Last sample of a record; `None` without samples.
     pub fn end_of(record: &Record) -> Option<Self> {
         let last = record.samples.last()?;
         let ticks = f64::from(record.clock_hz) / f64::from(record.settings.config.rate_hz);
         Some(Self { index: last.index, stamp: last.stamp, ticks })
     }
 
-    /// Whether a sample can come after this.
+    /// Whether a sample can follow.
     pub fn next(&self, sample: &Sample) -> Next {
-        /// No oscillator is off by so much.
+        /// Relative error larger than that of any oscillator.
         const DRIFT: f64 = 1e-3;
-        /// A late tick of the same recording is less late.
+        /// Delay of a tick, in periods, larger than any within a recording.
         const PERIODS: f64 = 0.4;
         let ahead = sample.index.wrapping_sub(self.index);
         if ahead == 0 || ahead > u32::MAX / 2 {

@@ -1,4 +1,4 @@
-//! What a card holds, in words.
+//! Text about the contents of a card.
 
 use floe_firmware::settings::Settings;
 
@@ -6,7 +6,7 @@ use super::{Found, Test};
 use crate::error::InputError;
 use crate::rounding::{counted, plus_minus};
 
-/// A line for each test, then what became of the sectors.
+/// A line per test, then the state of the sectors.
 #[must_use]
 pub fn summary(tests: &[Test], found: &Found) -> String {
     let mut text = String::new();
@@ -40,7 +40,7 @@ pub fn summary(tests: &[Test], found: &Found) -> String {
     text + "\n" + &conflicts(tests)
 }
 
-/// Sectors that are not used, in words.
+/// Descriptions of the unused sectors.
 pub(super) fn unused(found: &Found) -> Vec<String> {
     let sectors = |count: u64, kind: &str| Some(counted(count, kind)).filter(|_| count > 0);
     let of = |count: u64, what: &str| sectors(count, "sector").map(|it| format!("{it} {what}"));
@@ -56,7 +56,7 @@ pub(super) fn unused(found: &Found) -> Vec<String> {
     .collect()
 }
 
-/// What to say of an input without any record.
+/// Error for an input without a record.
 pub(super) fn no_record(found: &Found) -> InputError {
     let none = "holds no record of a floe logger";
     match unused(found).join(", ") {
@@ -65,7 +65,7 @@ pub(super) fn no_record(found: &Found) -> InputError {
     }
 }
 
-/// What is not as one logger writes one card.
+/// Descriptions of tests that contradict each other.
 fn conflicts(tests: &[Test]) -> String {
     let mut text = String::new();
     for test in tests {
@@ -84,7 +84,7 @@ fn conflicts(tests: &[Test]) -> String {
     text
 }
 
-/// The weight of a test, with the ± that it was weighed with.
+/// Weight of a test with its uncertainty.
 #[must_use]
 pub fn weight(settings: &Settings) -> String {
     let weight_n = settings.config.weight_n;

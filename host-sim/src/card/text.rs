@@ -1,4 +1,4 @@
-//! The first test of a board's log as the text of a CSV log, for everything that reads those.
+//! The first test of a board's log as the text of a CSV log, for all readers of such logs.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Read};
@@ -18,7 +18,7 @@ use crate::rounding::counted;
 /// The column of the readings, in counts of the converter.
 pub const COLUMN: &str = "counts";
 
-/// The test as lines, made while they are read.
+/// The lines of a test, generated while they are read.
 #[derive(Debug)]
 pub struct Text {
     settings: Settings,
@@ -28,12 +28,12 @@ pub struct Text {
     given: usize,
 }
 
-/// The records of the first test, whatever order they come in.
+/// Collects the records of the first test in any order.
 #[derive(Debug, Default)]
 struct First {
-    /// Every recording with samples.
+    /// Keys of all recordings with samples.
     keys: BTreeSet<Key>,
-    /// Sectors of the first one, and of those before it that have no samples, by their offset.
+    /// Sectors of the first recording, and of earlier ones without samples, by their offset.
     sectors: BTreeMap<u64, (Key, Sector)>,
 }
 
@@ -50,11 +50,11 @@ impl First {
 }
 
 impl Text {
-    /// Reads a log to its end and takes the first test that `floe recover` would find in it.
-    /// Gives what there is to know beside it, in words.
+    /// Reads a log to its end and takes the first test, as `floe recover` does. Also returns
+    /// remarks on the rest of the log.
     ///
     /// # Errors
-    /// It cannot be read, or there is no test in it.
+    /// The log cannot be read, or contains no test.
     pub fn read(mut input: impl Read) -> Result<(Self, Vec<String>), InputError> {
         let mut first = First::default();
         let found = sectors::scan(&mut input, |place, record, sector| {
@@ -86,7 +86,7 @@ impl Text {
     }
 }
 
-/// What else is in a log.
+/// Remarks on the other contents of a log.
 fn told(found: &Found, others: u64) -> Vec<String> {
     let recordings = (others > 0).then(|| {
         let more = counted(others, "more recording");
@@ -101,7 +101,7 @@ fn told(found: &Found, others: u64) -> Vec<String> {
     recordings.into_iter().chain(again).chain(unused).collect()
 }
 
-/// What a zero that the board did not know comes to.
+/// Remark on a zero that was not known to the board during the test.
 fn zero_taken_after(zero_n: Option<f32>, known_n: Option<f32>) -> Option<String> {
     let zero_n = zero_n.filter(|_| known_n.map(f32::to_bits) != zero_n.map(f32::to_bits))?;
     Some(format!(

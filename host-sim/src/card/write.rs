@@ -1,4 +1,4 @@
-//! A test as the text of other programs.
+//! Text forms of a test for other programs.
 
 use std::fmt::Write;
 
@@ -19,7 +19,7 @@ use super::text::COLUMN;
 /// 2000-01-01 in seconds since 1970.
 const YEAR_2000_S: f64 = 946_684_800.0;
 
-/// CSV with everything that is known about the test.
+/// CSV with all information about the test.
 #[must_use]
 pub fn csv(test: &Test) -> String {
     let rows = test.samples.iter().map(|s| row(&test.settings, test.part.first_index, s));
@@ -27,8 +27,7 @@ pub fn csv(test: &Test) -> String {
     heads.into_iter().chain(rows).collect()
 }
 
-/// What the board noted while it measured: how cold it was, its supply, and what somebody
-/// wrote down.
+/// Comments from the board's output during the test: temperature, supply, and notes of the user.
 fn said(lines: &str) -> String {
     let (mut text, mut cold, mut supply) = (String::new(), Vec::new(), Vec::new());
     for line in lines.lines().filter_map(|line| Line::parse(line).ok()) {
@@ -48,8 +47,8 @@ fn said(lines: &str) -> String {
     text
 }
 
-/// Campbell's TOA5. Where the board's clock was not set, time begins on 2000-01-01, and the
-/// table's name says so.
+/// Campbell's TOA5. If the board's clock was not set, time begins on 2000-01-01, and the table's
+/// name states this.
 #[must_use]
 pub fn toa5(test: &Test) -> String {
     let table = if test.part.start_ms.is_some() { "pull" } else { UNDATED };
@@ -70,7 +69,7 @@ pub fn toa5(test: &Test) -> String {
     text
 }
 
-/// Comments and column names of a CSV log, with what the board's `lines` say of the winch.
+/// Comments and column names of a CSV log, including the marks of the winch in `lines`.
 pub(super) fn head(part: &Part, settings: &Settings, lines: &str) -> String {
     let mut text = String::new();
     if !settings.name.is_empty() {
@@ -98,13 +97,13 @@ pub(super) fn head(part: &Part, settings: &Settings, lines: &str) -> String {
     text
 }
 
-/// Effects as `--effects` takes them.
+/// Effects in the form of `--effects`.
 fn names(effects: Effects) -> String {
     let names: Vec<&str> = effects.iter().map(Effect::name).collect();
     if names.is_empty() { "none".to_string() } else { names.join(",") }
 }
 
-/// What identifies the recording.
+/// Writes the identity of the recording.
 fn put_part(text: &mut String, part: &Part) {
     let _ = writeln!(text, "# run: {}", part.run);
     if let Some(id) = part.id {
@@ -120,7 +119,7 @@ fn put_part(text: &mut String, part: &Part) {
     }
 }
 
-/// How well the inputs are known, and the notebook.
+/// Writes the uncertainties of the inputs, and the notes.
 fn put_around(text: &mut String, settings: &Settings) {
     let Settings { stds, zero, notes, .. } = settings;
     let numbers = [
@@ -156,8 +155,7 @@ fn put_numbers(text: &mut String, numbers: &[(&str, Option<f32>)]) {
     }
 }
 
-/// A sample as a line: its time from the start of the test, force, code, and what
-/// is wrong with it.
+/// A sample as a line: time from the start of the test, force, code, and faults.
 pub(super) fn row(settings: &Settings, first_index: u32, sample: &Sample) -> String {
     let index = sample.index.wrapping_sub(first_index);
     let time_s = f64::from(index) / f64::from(settings.config.rate_hz);
@@ -168,7 +166,7 @@ pub(super) fn row(settings: &Settings, first_index: u32, sample: &Sample) -> Str
     }
 }
 
-/// Force of a code inside the converter's range, N.
+/// Force of a code within the converter's range, N.
 fn force(settings: &Settings, sample: &Sample) -> Option<String> {
     let code = sample.reading.ok()?;
     let (lowest, highest) = settings.config.calibration.range_counts;
@@ -176,7 +174,7 @@ fn force(settings: &Settings, sample: &Sample) -> Option<String> {
     inside.then(|| Decimal(settings.force_n(code)).to_string())
 }
 
-/// Four digits of the second, as sixteenths have.
+/// Time with four decimals of the second, enough for sixteenths.
 fn stamp(unix_s: f64) -> String {
     let second = Start { unix_s: unix_s.floor(), is_utc: false }.after(0.0).unwrap_or_default();
     let fraction = (1e4 * (unix_s - unix_s.floor())).round().min(9999.0);

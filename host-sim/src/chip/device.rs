@@ -1,9 +1,9 @@
-//! The chip itself: registers, commands, conversions.
+//! The chip: registers, commands, conversions.
 
 use super::load_cell::LoadCell;
 use super::trouble::{Schedule, Trouble, noise};
 
-/// Which of the two chips.
+/// One of the two chips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variant {
     /// I²C, four registers, data most significant byte first.
@@ -12,14 +12,14 @@ pub enum Variant {
     U04,
 }
 
-/// A conversion under way.
+/// A conversion in progress.
 #[derive(Clone, Copy, Debug)]
 struct Conversion {
     start_ns: u64,
     end_ns: u64,
 }
 
-/// The chip. Time is an argument of every call and never runs backwards.
+/// The chip. Time is an argument of every call and must not decrease.
 #[derive(Debug)]
 pub struct Device {
     variant: Variant,
@@ -35,20 +35,20 @@ pub struct Device {
     delivered: Vec<(u64, i32)>,
 }
 
-/// What a chip whose modulator hangs gives, whatever happens to its registers.
+/// Code of a chip whose modulator hangs, independent of its registers.
 const FROZEN_CODE: i32 = 123_456;
 
-/// Supply of chip and bridge.
+/// Supply voltage of chip and bridge, V.
 const SUPPLY_V: f64 = 3.3;
 
-/// Temperature of the chip.
+/// Temperature of the chip, °C.
 const TEMPERATURE_C: f64 = -12.0;
 
 const RESET: u8 = 0x06;
 const START: u8 = 0x08;
 const POWER_DOWN: u8 = 0x02;
 
-/// Registers, data sheet section 8.6.
+/// Indices of registers, data sheet section 8.6.
 const CONFIG_2: usize = 2;
 const DRDY: u8 = 1 << 7;
 
@@ -77,22 +77,20 @@ impl Device {
         self.variant
     }
 
-    /// Every bridge conversion that was read out, once: the number of the sample
-    /// of the load cell and the code.
+    /// Every bridge conversion that was read, once: number of the load cell's sample, and code.
     #[must_use]
     pub fn delivered(&self) -> &[(u64, i32)] {
         &self.delivered
     }
 
-    /// Number of the load cell's next sample, from 0; past its last one when the
-    /// record has been used up.
+    /// Number of the load cell's next sample, from 0; beyond the last one at the end of the record.
     #[must_use]
     pub fn sample_at(&self, now_ns: u64) -> u64 {
         self.first_start_ns.map_or(0, |first| self.load_cell.sample_at(now_ns - first))
     }
 
-    /// When the load cell goes on to the sample after this one: half a period before that is
-    /// converted. `None` before the first conversion.
+    /// Time at which the load cell switches to the sample after this one, half a period before that
+    /// sample is converted. `None` before the first conversion.
     #[must_use]
     pub fn sample_end_ns(&self, sample: u64) -> Option<u64> {
         Some(self.first_start_ns?.saturating_add(self.load_cell.end_ns(sample)))
@@ -104,13 +102,13 @@ impl Device {
         self.load_cell.samples()
     }
 
-    /// What is wrong with the chip now.
+    /// Current fault of the chip.
     #[must_use]
     pub fn trouble(&self, now_ns: u64) -> Option<Trouble> {
         self.trouble.at(self.sample_at(now_ns))
     }
 
-    /// A command without arguments; unknown ones are ignored.
+    /// Executes a command without arguments; unknown commands are ignored.
     pub fn command(&mut self, now_ns: u64, command: u8) {
         self.advance(now_ns);
         match command & !1 {
@@ -121,8 +119,8 @@ impl Device {
         }
     }
 
-    /// Writes a register. One that does not exist ignores it; any but register 4
-    /// restarts a conversion that is under way.
+    /// Writes a register; a missing one ignores the value. All except register 4 restart a
+    /// conversion in progress.
     pub fn write_register(&mut self, now_ns: u64, register: usize, value: u8) {
         self.advance(now_ns);
         if register >= self.register_count() {
@@ -135,8 +133,7 @@ impl Device {
         }
     }
 
-    /// Reads a register, followed by its inverse if that is switched on. One
-    /// that does not exist reads zero.
+    /// Reads a register, followed by its inverse if enabled. A missing register reads as zero.
     pub fn read_register(&mut self, now_ns: u64, register: usize) -> Vec<u8> {
         self.advance(now_ns);
         let mut value = self.registers.get(register).copied().unwrap_or(0);
@@ -146,8 +143,7 @@ impl Device {
         self.with_inverse(vec![value])
     }
 
-    /// Reads the last conversion: counter if switched on, code, inverse if
-    /// switched on.
+    /// Reads the last conversion: counter if enabled, code, and inverse if enabled.
     pub fn read_data(&mut self, now_ns: u64) -> Vec<u8> {
         self.advance(now_ns);
         if self.fresh && self.measures_bridge() {
@@ -166,8 +162,8 @@ impl Device {
         self.with_inverse(data)
     }
 
-    /// A command and its argument as they come over I²C; gives what the chip will say
-    /// when it is read next.
+    /// Executes a command with its argument received over I²C; returns the bytes that the chip
+    /// sends on the next read.
     pub fn i2c_write(&mut self, now_ns: u64, bytes: &[u8]) -> Vec<u8> {
         let [command, rest @ ..] = bytes else { return Vec::new() };
         let register = usize::from(command >> 2 & 0b11);
@@ -227,7 +223,7 @@ impl Device {
             Some(Conversion { start_ns, end_ns: now_ns + self.aperture_ns() + slow_ns });
     }
 
-    /// Lets time pass: brown-outs happen, conversions end.
+    /// Advances to a time: executes brown-outs and ends conversions.
     fn advance(&mut self, now_ns: u64) {
         let sample = self.sample_at(now_ns);
         match self.trouble.take_glitch(sample) {
@@ -242,7 +238,7 @@ impl Device {
         self.conversion = None;
         self.finish(conversion);
         if self.registers[1] & 1 << 3 != 0 {
-            // Continuous: the next conversion follows at once.
+            // In continuous mode the next conversion follows at once.
             self.start(conversion.end_ns);
             self.advance(now_ns);
         }
@@ -265,11 +261,11 @@ impl Device {
         let since_ns = conversion.start_ns.saturating_sub(first_ns);
         let noise = self.load_cell.noise();
         if self.registers[1] & 1 != 0 {
-            // 14 bits at the top, 1/32 °C each.
+            // 14 bits at the top, in 1/32 °C.
             return (TEMPERATURE_C * 32.0).round() as i32 * 1024;
         }
         let gain = f64::from(1_u32 << (self.registers[0] >> 1 & 0b111));
-        // As shares of the reference; the monitors bypass the gain.
+        // Inputs as fractions of the reference; the monitors bypass the gain.
         let input = match self.registers[0] >> 4 {
             0b0000 => gain * self.load_cell.ratio(since_ns, self.registers[CONFIG_2] & 1 << 3 != 0),
             0b0011 => -gain * self.load_cell.ratio(since_ns, false),
@@ -281,7 +277,8 @@ impl Device {
         code.clamp(-f64::from(1 << 23), f64::from((1 << 23) - 1)) as i32
     }
 
-    /// External and supply are both what excites the bridge.
+    /// Reference voltage; the external reference and the supply are both the excitation of the
+    /// bridge.
     fn reference_v(&self) -> f64 {
         if self.registers[1] >> 1 & 0b11 == 0 { 2.048 } else { SUPPLY_V }
     }
@@ -291,8 +288,8 @@ impl Device {
         self.registers[0] >> 4 == 0 && self.registers[1] & 1 == 0 && !burn_out
     }
 
-    /// Data sheet section 8.3.6: clock periods of a single-shot conversion, at
-    /// 1.024 MHz in normal and 2.048 MHz in turbo mode.
+    /// Duration of a single-shot conversion (data sheet section 8.3.6, in clock periods at 1.024
+    /// MHz in normal and 2.048 MHz in turbo mode).
     fn aperture_ns(&self) -> u64 {
         const NORMAL: [u64; 8] = [51_213, 22_805, 11_557, 5_941, 3_141, 1_749, 1_061, 1_061];
         const TURBO: [u64; 8] = [51_217, 22_809, 11_561, 5_945, 3_145, 1_753, 1_065, 1_065];

@@ -1,4 +1,4 @@
-//! The ADS122C04's I²C port, as an embedded-hal bus.
+//! The I²C port of the ADS122C04 as an embedded-hal bus.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -10,7 +10,7 @@ use super::device::Device;
 use super::line::Clock;
 use super::trouble::Trouble;
 
-/// Nobody pulls the line down.
+/// Error: no acknowledge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoAnswer;
 
@@ -20,8 +20,7 @@ impl Error for NoAnswer {
     }
 }
 
-/// The chip on a bus of its own, at address 0x40. The clock is shared with
-/// whoever else lets time pass.
+/// The chip on a bus of its own at address 0x40, with a clock shared with other parts of the test.
 #[derive(Clone, Debug)]
 pub struct I2cChip {
     device: Rc<RefCell<Device>>,
@@ -29,7 +28,7 @@ pub struct I2cChip {
 }
 
 const ADDRESS: u8 = 0x40;
-/// 400 kHz.
+/// Duration of a bit at 400 kHz.
 const BIT_NS: u32 = 2_500;
 
 impl I2cChip {
@@ -39,7 +38,7 @@ impl I2cChip {
         Self { device, clock }
     }
 
-    /// A start, the address, and bytes, each with its acknowledge.
+    /// Advances the clock by a start, the address, and bytes with acknowledges.
     fn pass(&mut self, bytes: usize) {
         self.clock.delay_ns((1 + 9 * (1 + bytes as u32)) * BIT_NS);
     }
@@ -70,7 +69,7 @@ impl I2c for I2cChip {
                 }
                 Operation::Read(buffer) => {
                     self.pass(buffer.len());
-                    // A chip that has nothing more to say leaves the line high.
+                    // A chip without more data leaves the line high.
                     let bytes = answer.drain(..answer.len().min(buffer.len()));
                     let bytes: Vec<u8> = bytes.collect();
                     buffer.fill(0xFF);
@@ -78,7 +77,7 @@ impl I2c for I2cChip {
                 }
             }
         }
-        // The stop.
+        // Stop condition.
         self.clock.delay_ns(BIT_NS);
         Ok(())
     }

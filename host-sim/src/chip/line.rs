@@ -1,4 +1,4 @@
-//! The chip's serial line as a port of a program on the same PC, in its own time.
+//! The chip's serial line as a port for a program on the same PC, in simulated time.
 
 use std::cell::{Cell, RefCell};
 use std::convert::Infallible;
@@ -9,7 +9,7 @@ use embedded_io::{ErrorType, Read, ReadReady, Write};
 
 use super::serial::SerialChip;
 
-/// A clock that stands still unless it is told to go on.
+/// A clock that advances on request only.
 #[derive(Clone, Debug, Default)]
 pub struct Clock(Rc<Cell<u64>>);
 
@@ -20,7 +20,7 @@ impl Clock {
         self.0.get()
     }
 
-    /// Waits until a time; does nothing if it has passed.
+    /// Advances to a time, unless it has passed.
     pub fn wait_until(&self, ns: u64) {
         self.0.set(self.0.get().max(ns));
     }

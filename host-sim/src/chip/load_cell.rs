@@ -1,7 +1,7 @@
-//! What hangs at the chip's inputs.
+//! The load cell at the chip's inputs.
 
-/// A load cell that plays a record: one ratio (output over excitation) per
-/// sampling period, held for the whole period.
+/// A load cell that plays a record: one ratio (output over excitation) per sampling period,
+/// constant within the period.
 #[derive(Clone, Debug)]
 pub struct LoadCell {
     ratios: Vec<f64>,
@@ -12,7 +12,7 @@ pub struct LoadCell {
 }
 
 impl LoadCell {
-    /// From the codes that a converter with gain 128 would give without noise.
+    /// A load cell from codes that a noiseless converter with gain 128 would give.
     #[must_use]
     pub fn from_codes(codes: &[i32], rate_hz: f64) -> Self {
         let full_scale = 128.0 * f64::from(1 << 23);
@@ -25,13 +25,13 @@ impl LoadCell {
         }
     }
 
-    /// Adds the converter's own noise: standard deviation in codes, and a seed.
+    /// Adds converter noise: standard deviation in codes, and a seed.
     #[must_use]
     pub fn with_noise(self, noise_codes: f64, seed: u64) -> Self {
         Self { noise_codes, random: seed, ..self }
     }
 
-    /// A broken wire.
+    /// The load cell with a broken wire.
     #[must_use]
     pub fn disconnected(self) -> Self {
         Self { connected: false, ..self }
@@ -41,17 +41,17 @@ impl LoadCell {
         self.ratios.len() as u64
     }
 
-    /// Period that a time since the first conversion falls into.
+    /// Index of the sample at a time since the first conversion.
     pub(super) fn sample_at(&self, since_ns: u64) -> u64 {
         (since_ns + self.period_ns / 2) / self.period_ns
     }
 
-    /// Time since the first conversion at which that is over for a sample.
+    /// End of a sample, as time since the first conversion.
     pub(super) fn end_ns(&self, sample: u64) -> u64 {
         sample.saturating_add(1).saturating_mul(self.period_ns) - self.period_ns / 2
     }
 
-    /// The last sample stays when the record is over.
+    /// Ratio at a time; the last sample is held after the end of the record.
     pub(super) fn ratio(&self, since_ns: u64, burn_out: bool) -> f64 {
         if !self.connected {
             return if burn_out { 1.0 } else { 0.0 };
@@ -60,7 +60,7 @@ impl LoadCell {
         self.ratios.get(sample).or(self.ratios.last()).copied().unwrap_or(0.0)
     }
 
-    /// Gaussian to 3 %: the sum of 12 uniform numbers.
+    /// Random number, Gaussian to 3 %: the sum of 12 uniform numbers.
     pub(super) fn noise(&mut self) -> f64 {
         let sum: f64 = (0..12).map(|_| self.uniform()).sum();
         (sum - 6.0) * self.noise_codes

@@ -1,12 +1,10 @@
 //! A register-level model of the TI ADS122C04 (I²C) and ADS122U04 (serial).
 //!
-//! Written from the data sheets SBAS751B and SBAS752B alone, so that it can find
-//! what the firmware's driver gets wrong: commands, registers and their defaults,
-//! conversion times, single-shot and continuous conversion, conversion counter,
-//! inverted data, temperature sensor, shorted inputs, monitors of reference and
-//! supply, burn-out currents. Not
-//! modelled: the CRC-16 option, excitation currents, general-purpose pins,
-//! automatic data output.
+//! It follows the data sheets SBAS751B and SBAS752B only, so that it can reveal errors of the
+//! firmware's driver. Modelled are commands, registers and their defaults, conversion times,
+//! single-shot and continuous conversion, conversion counter, inverted data, temperature sensor,
+//! shorted inputs, monitors of reference and supply, and burn-out currents. Not modelled are the
+//! CRC-16 option, excitation currents, general-purpose pins and automatic data output.
 //!
 //! ```text
 //!  load cell ──► Device ──► Serial (U04) ──► bytes in time

@@ -1,4 +1,4 @@
-//! The ADS122U04's serial port: bytes in, bytes out, in time.
+//! The serial port of the ADS122U04, with the timing of the bytes.
 
 use std::collections::VecDeque;
 
@@ -6,10 +6,10 @@ use super::device::{Device, Variant};
 use super::load_cell::LoadCell;
 use super::trouble::{Schedule, Trouble, noise};
 
-/// The word before every command.
+/// Synchronization word before every command.
 const SYNC: u8 = 0x55;
 
-/// The chip at the end of a serial line.
+/// The chip on a serial line.
 #[derive(Debug)]
 pub struct SerialChip {
     device: Device,
@@ -27,8 +27,8 @@ enum Expects {
 }
 
 impl SerialChip {
-    /// A chip whose bytes each take `byte_ns` on the line: 86 806 at 115 200
-    /// baud; zero for a line that takes no time.
+    /// A chip with `byte_ns` per byte on the line: 86 806 at 115 200 baud, or zero for a line
+    /// without delay.
     #[must_use]
     pub fn new(load_cell: LoadCell, trouble: Schedule, byte_ns: u64) -> Self {
         let device = Device::new(Variant::U04, load_cell, trouble);
@@ -41,7 +41,7 @@ impl SerialChip {
         &self.device
     }
 
-    /// A byte from the host has arrived.
+    /// Receives a byte from the host.
     pub fn receive(&mut self, now_ns: u64, byte: u8) {
         self.expects = match self.expects {
             Expects::Sync if byte == SYNC => Expects::Command,
@@ -81,7 +81,7 @@ impl SerialChip {
         self.out.extend(times.zip(bytes.iter().copied()));
     }
 
-    /// The bytes that have arrived at the host by now.
+    /// The bytes that have arrived at the host.
     pub fn transmit(&mut self, now_ns: u64) -> Vec<u8> {
         if self.device.trouble(now_ns) == Some(Trouble::Babbling) {
             self.babble(now_ns);
@@ -90,7 +90,7 @@ impl SerialChip {
         self.out.drain(..arrived).map(|(_, byte)| byte).collect()
     }
 
-    /// A byte every 87 µs of whatever comes to its mind.
+    /// Sends a random byte every 87 µs.
     fn babble(&mut self, now_ns: u64) {
         const BYTE_NS: u64 = 86_806;
         self.babbled_ns = self.babbled_ns.max(now_ns.saturating_sub(64 * BYTE_NS));

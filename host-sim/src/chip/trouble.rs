@@ -1,29 +1,29 @@
-//! What can be wrong with the chip, and when.
+//! Faults of the chip, and their times.
 
 use serde::{Deserialize, Serialize};
 
-/// One kind of trouble.
+/// A fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Trouble {
-    /// It does not answer.
+    /// The chip does not answer.
     Silent,
-    /// It answers, but this much too late.
+    /// The chip answers too late.
     Late {
         /// Delay of every answer.
         ns: u64,
     },
-    /// Conversions take this much longer.
+    /// Conversions take longer.
     Slow {
         /// Added to the conversion time.
         ns: u64,
     },
-    /// It gives the same conversion again and again.
+    /// The chip repeats the same conversion.
     Stuck,
-    /// It converts, but always gets the same code.
+    /// The chip converts, but always with the same code.
     Frozen,
-    /// Full scale.
+    /// The chip converts to full scale.
     Saturated,
-    /// A dip of the supply: all registers at their power-up values, once.
+    /// A dip of the supply: all registers have their power-up values, once.
     BrownOut,
     /// Bits of one register flip, once.
     Upset {
@@ -32,16 +32,16 @@ pub enum Trouble {
         /// Bits that flip.
         mask: u8,
     },
-    /// It sends random bytes: without being asked where it can, and for every answer.
+    /// The chip sends random bytes: without a request where it can, and as every answer.
     Babbling,
 }
 
-/// A byte of whatever comes to a babbling chip's mind.
+/// A random byte of a babbling chip.
 pub(super) fn noise(place: u64) -> u8 {
     (place.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 56) as u8
 }
 
-/// Troubles by sample number of the load cell.
+/// Faults by the sample number of the load cell.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     entries: Vec<Entry>,
@@ -56,14 +56,14 @@ struct Entry {
 }
 
 impl Schedule {
-    /// Adds a trouble for the samples `from..to`.
+    /// Adds a fault for the samples `from..to`.
     #[must_use]
     pub fn with(mut self, from: u64, to: u64, trouble: Trouble) -> Self {
         self.entries.push(Entry { from, to, trouble, done: false });
         self
     }
 
-    /// All of them so many samples later.
+    /// All faults delayed by a number of samples.
     #[must_use]
     pub fn later(mut self, samples: u64) -> Self {
         for entry in &mut self.entries {
@@ -77,7 +77,7 @@ impl Schedule {
         Some(entry.trouble)
     }
 
-    /// A brown-out or upset that is due and has not happened yet.
+    /// Returns a brown-out or upset that is due and has not happened yet.
     pub(super) fn take_glitch(&mut self, sample: u64) -> Option<Trouble> {
         let glitch = |t| matches!(t, Trouble::BrownOut | Trouble::Upset { .. });
         let entry =

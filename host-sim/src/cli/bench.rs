@@ -1,4 +1,4 @@
-//! `floe bench`: methods side by side, speed against error.
+//! `floe bench`: comparison of methods, speed against error.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! `floe campaign`: many tests to their trends.
+//! `floe campaign`: trends over many tests.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -63,7 +63,7 @@ pub struct Args {
     json: Json,
 }
 
-/// Where the tests come from.
+/// Source of the tests.
 enum Source {
     Programme { seed: u64, tests: u64 },
     Logs(Logs),
@@ -80,7 +80,7 @@ impl Source {
         }
     }
 
-    /// All that is read: the list, the table in the directory, and every log.
+    /// All files that are read: the list, the table in the directory, and every log.
     fn files(&self, args: &Args) -> Vec<PathBuf> {
         let logs = match self {
             Self::Programme { .. } => &[],
@@ -139,7 +139,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Refuses what must not be written. Gives the results that are replaced.
+/// Refuses outputs that would overwrite an input or a foreign file. Returns the results to replace.
 fn check(args: &Args, source: &Source) -> Result<Older, InputError> {
     let outputs = [args.json.file(), args.report.as_deref(), args.parquet.as_deref()];
     let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
@@ -159,7 +159,7 @@ fn tell_counts(summary: &Summary, took: Duration) {
     output::tell(&format!("{tests}, {events} in {seconds:.2} s{left_out}"));
 }
 
-/// Refuses a table of events by a name that promises another kind of table.
+/// Refuses a name for the table of events that ends with `.csv`.
 fn refuse_other_table(args: &Args) -> Result<(), InputError> {
     let Some(path) = &args.parquet else { return Ok(()) };
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
@@ -169,7 +169,7 @@ fn refuse_other_table(args: &Args) -> Result<(), InputError> {
     Ok(())
 }
 
-/// What was not read, what was assumed about the logs, and which give the same numbers.
+/// Prints the files left out, the assumptions about the logs, and logs with equal numbers.
 fn tell_notes(logs: &Logs, tests: &[TestRecord]) {
     const MOST: usize = 20;
     let said = tests
@@ -196,14 +196,14 @@ fn tell_notes(logs: &Logs, tests: &[TestRecord]) {
     }
 }
 
-/// The name of a test, or of its log where two tests are called alike.
+/// The name of a test, or of its log where two tests have the same name.
 fn name_of(test: &TestRecord, logs: &Logs, alike: bool) -> String {
     let entry = logs.entries.get(test.test as usize).filter(|_| alike);
     entry.map_or_else(|| test.test_id.clone(), |entry| entry.path.display().to_string())
 }
 
-/// Evaluates every test in order; the events go to the Parquet table if there is
-/// one, the tests without their events to `keep`. Gives what was left out.
+/// Evaluates every test in order; the events go to the Parquet table if there is one, the tests
+/// without their events to `keep`. Returns the logs left out.
 fn evaluate_all(
     args: &Args,
     source: &Source,
@@ -225,7 +225,7 @@ fn evaluate_all(
     })
 }
 
-/// What the table says about itself.
+/// Entries for the metadata of the table.
 fn about(args: &Args) -> Vec<(&'static str, String)> {
     match &args.logs {
         Some(logs) => vec![("logs", logs.display().to_string())],
@@ -249,8 +249,8 @@ fn without_events(test: &TestRecord) -> TestRecord {
 /// A test, or why it cannot be evaluated.
 type Evaluated = Result<TestRecord, InputError>;
 
-/// Computes in parallel, hands over in order, and goes on with the next tests while those
-/// before are taken. Gives what was left out; if that is all of them, the first is the error.
+/// Computes in parallel and hands over in order, while the next tests are computed. Returns the
+/// tests left out; if all are left out, returns the first error.
 fn in_order<E: From<InputError>>(
     args: &Args,
     source: &Source,
@@ -284,7 +284,7 @@ fn send_all(source: &Source, sender: &SyncSender<Vec<Evaluated>>) {
     for first in (0..source.len()).step_by(CHUNK) {
         let numbers = first..(first + CHUNK as u64).min(source.len());
         let tests = numbers.into_par_iter().map(|i| source.evaluate(i)).collect();
-        // Nobody takes them any more after an error.
+        // After an error the receiver is gone.
         if sender.send(tests).is_err() {
             return;
         }

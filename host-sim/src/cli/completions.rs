@@ -1,4 +1,4 @@
-//! `floe completions`: the options of every command, for a shell.
+//! `floe completions`: completions of commands and options for a shell.
 
 use clap::CommandFactory;
 use clap_complete::Shell;

@@ -1,4 +1,4 @@
-//! Opening a log.
+//! Opens logs.
 
 use std::fs::File;
 use std::io::Read;
@@ -10,9 +10,9 @@ use crate::error::InputError;
 
 use super::progress;
 
-/// Stands for standard input, or standard output.
+/// Name of standard input or standard output.
 pub const STANDARD: &str = "-";
-/// Files from this size on show how far they are read.
+/// Size of a file from which progress is shown, bytes.
 const LONG_BYTES: u64 = 16 << 20;
 
 /// Opens a log, or standard input for `-`.
@@ -26,7 +26,7 @@ pub fn open(path: &str, quiet: bool) -> Result<Box<dyn Read + Send>, InputError>
     Ok(Box::new(open_file(Path::new(path), quiet)?))
 }
 
-/// Opens a file; a long one shows on a terminal how far it is read.
+/// Opens a file; for a long one progress is shown on a terminal.
 ///
 /// # Errors
 /// The file cannot be opened.

@@ -1,4 +1,4 @@
-//! `floe inspect`: what was recognised in a log, before anything is computed.
+//! `floe inspect`: shows how a log is recognized, before any computation.
 
 use std::path::Path;
 

@@ -81,7 +81,7 @@ impl Command {
     }
 }
 
-/// Runs the command that the process was started with.
+/// Runs the command of the process.
 #[must_use]
 pub fn main() -> ExitCode {
     match run(std::env::args_os()) {
@@ -102,12 +102,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), InputErr
         Ok(Cli { command: Some(command) }) => command.run(),
         Ok(Cli { command: None }) => replay::run_bundled(),
         Err(error) if error.use_stderr() => Err(one_line(&error)),
-        // Help and version are asked for, not wrong.
+        // Requested help or version is not an error.
         Err(help) => output::print(&help.to_string()),
     }
 }
 
-/// `floe help --help` asks what `floe --help` does; clap takes it for a command.
+/// `floe help --help` is treated as `floe --help`; clap would take `--help` for a command.
 fn plain_help(mut arguments: Vec<OsString>) -> Vec<OsString> {
     let asks = |it: &OsString| it == "--help" || it == "-h";
     if arguments.get(1).is_some_and(|it| it == "help") && arguments.get(2).is_some_and(asks) {
@@ -116,7 +116,7 @@ fn plain_help(mut arguments: Vec<OsString>) -> Vec<OsString> {
     arguments
 }
 
-/// A usage error without the paragraphs around it.
+/// A usage error as one line, without the surrounding paragraphs.
 fn one_line(error: &clap::Error) -> InputError {
     if let Some(said) = in_words(error) {
         return said;
@@ -126,13 +126,13 @@ fn one_line(error: &clap::Error) -> InputError {
     let said: Vec<&str> = said
         .map(|line| line.trim().trim_start_matches("error: "))
         .filter(|line| !line.is_empty() && !line.starts_with("For more information"))
-        // An option that does not exist is hardly meant as a value.
+        // An unknown option is hardly meant as a value.
         .filter(|line| !line.starts_with("tip: to pass"))
         .collect();
     InputError::new(format!("{} (see --help)", said.join(" ").replace(" tip: ", "; ")))
 }
 
-/// What clap does not say so that anybody understands it.
+/// Clear text for errors that clap words poorly.
 fn in_words(error: &clap::Error) -> Option<InputError> {
     use clap::error::{ContextKind, ContextValue, ErrorKind};
     let text = |kind| match error.get(kind) {

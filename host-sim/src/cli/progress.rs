@@ -1,11 +1,10 @@
-//! How far a long command is: one line on standard error, on a terminal only, gone at
-//! the end.
+//! Progress of a long command: a line on standard error, on a terminal only, removed at the end.
 
 use std::io::IsTerminal;
 
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 
-/// A bar to `total`; `text` says beside it what is counted, in indicatif's terms.
+/// A bar to `total`; `text` describes the counted items, in indicatif's syntax.
 #[must_use]
 pub fn bar(total: u64, text: &str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {

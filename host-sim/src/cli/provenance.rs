@@ -1,4 +1,4 @@
-//! What a report says about how it was made.
+//! Information in a report about its creation.
 
 use std::ffi::OsString;
 use std::io::{self, Read};
@@ -10,11 +10,11 @@ use sha2::{Digest, Sha256};
 use crate::log::start::Start;
 use crate::report::Provenance;
 
-/// The checksum of a stream while it is read.
+/// Checksum of a stream, computed while it is read.
 #[derive(Clone, Debug, Default)]
 pub struct Checksum(Arc<Mutex<(Sha256, bool)>>);
 
-/// Passes a stream on, and adds it to a checksum.
+/// A stream that adds the bytes read to a checksum.
 #[derive(Debug)]
 pub struct Summed<R> {
     input: R,
@@ -22,7 +22,7 @@ pub struct Summed<R> {
 }
 
 impl<R: Read> Summed<R> {
-    /// Around a stream.
+    /// Wraps a stream.
     pub fn new(input: R, checksum: &Checksum) -> Self {
         Self { input, checksum: checksum.clone() }
     }
@@ -40,7 +40,7 @@ impl<R: Read> Read for Summed<R> {
 }
 
 impl Checksum {
-    /// In hexadecimal, if the stream was read to its end.
+    /// The checksum in hexadecimal, if the stream was read to its end.
     #[must_use]
     pub fn hex(&self) -> Option<String> {
         let sum = self.0.lock().ok()?;
@@ -49,7 +49,7 @@ impl Checksum {
     }
 }
 
-/// Of this run.
+/// Provenance of this run.
 #[must_use]
 pub fn provenance(checksum: &Checksum) -> Provenance {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).ok();
@@ -63,7 +63,7 @@ pub fn provenance(checksum: &Checksum) -> Provenance {
     }
 }
 
-/// As a person would type it; what is no text, as a path may be, with signs in its place.
+/// The command as a user would type it; invalid text, as in a path, has replacement characters.
 fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
     let plain = |text: &str| {
         let safe = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);

@@ -1,4 +1,4 @@
-//! `floe recover`: every test of a card as files of its own.
+//! `floe recover`: writes every test of a card to files.
 
 use std::path::{Path, PathBuf};
 
@@ -60,7 +60,7 @@ fn name(args: &Args, test: &Test, extension: &str) -> PathBuf {
 }
 
 fn refuse_existing(path: &Path) -> Result<(), InputError> {
-    // A link that leads nowhere is there too.
+    // A broken link counts as existing.
     if path.symlink_metadata().is_ok() {
         let message = "is there already; name an empty directory, or remove it";
         return Err(InputError::new(message).within(path.display()));

@@ -1,4 +1,4 @@
-//! `floe replay`: a recorded log to `mu_s` and `mu`.
+//! `floe replay`: evaluates a recorded log to `mu_s` and `mu`.
 
 use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
@@ -70,7 +70,7 @@ impl Args {
     }
 }
 
-/// A result, and what a report needs beside it.
+/// A result, and the additional data for a report.
 type Findings = (ReplayResult, Option<Recorder>);
 
 /// Runs the command.
@@ -96,7 +96,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Refuses a name for the samples that says another form than they have.
+/// Rejects a file name for the samples whose extension is that of another format.
 fn check_samples(path: &Path) -> Result<(), InputError> {
     let known =
         |end: &std::ffi::OsStr| ["csv", "parquet"].iter().any(|e| end.eq_ignore_ascii_case(e));
@@ -107,14 +107,14 @@ fn check_samples(path: &Path) -> Result<(), InputError> {
         .within(path.display()))
 }
 
-/// Name and content of the log in the binary, which says its own weight.
+/// Name and content of the log in the binary, which contains its weight.
 const BUNDLED: (&str, &[u8]) =
     ("host-sim/logs/fig6-7.csv", include_bytes!("../../logs/fig6-7.csv"));
 
-/// The bundled log; in the repository with a report where the build puts its files.
+/// Replays the bundled log; in the repository also writes a report to the build's folder.
 ///
 /// # Errors
-/// One line for the user.
+/// A message of one line.
 pub fn run_bundled() -> Result<(), InputError> {
     let (name, bytes) = BUNDLED;
     let in_repository = Path::new(name).is_file() && Path::new("target").is_dir();
@@ -138,7 +138,7 @@ fn evaluate(
     args: &Args,
 ) -> Result<(), InputError> {
     let checksum = Checksum::default();
-    // Only a report says it, and it costs time.
+    // The checksum takes time and is needed in a report only.
     let input: Box<dyn Read + Send> = match args.report {
         Some(_) => Box::new(Summed::new(input, &checksum)),
         None => input,
@@ -177,7 +177,7 @@ fn run_on(
     })
 }
 
-/// What a table of samples says about itself.
+/// Metadata of a table of samples.
 fn about(path: &str, log: &Log, config: &Config) -> Vec<(&'static str, String)> {
     let test_id = log.metadata().test_id.clone();
     let entries = [
@@ -213,7 +213,7 @@ fn run_core(
     Ok((result, recorder))
 }
 
-/// Writes and prints what was asked for.
+/// Writes and prints the requested results.
 fn finish(
     (result, recorder): Findings,
     args: &Args,
@@ -255,7 +255,7 @@ struct Figures {
 }
 
 impl Figures {
-    /// Draws them, and refuses those that would be written over another output or the log.
+    /// Draws the figures, and rejects files that would overwrite another output or the log.
     fn new(
         folder: &Path,
         result: &ReplayResult,

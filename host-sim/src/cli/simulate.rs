@@ -1,4 +1,4 @@
-//! `floe simulate`: a log with known truth from a scene.
+//! `floe simulate`: creates a log with known truth from a scene.
 
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -45,7 +45,7 @@ enum Form {
     Cr10,
 }
 
-/// Samples between two looks at how far it is.
+/// Samples between two updates of the progress.
 const LOOK: u32 = 4096;
 
 /// Runs the command.
@@ -84,10 +84,10 @@ fn form(path: &Path) -> Result<Form, InputError> {
     }
 }
 
-/// Reads a scene, with another length if one is given.
+/// Reads a scene, with another duration if one is given.
 ///
 /// # Errors
-/// The file, the line or the value that cannot be used.
+/// The file, line or value that cannot be used.
 pub fn read_scene(path: &Path, duration_s: Option<f64>) -> Result<Scene, InputError> {
     let refused = |error: InputError| error.within(path.display());
     let text = short_file::read(path).map_err(|e| refused(InputError::unreadable(&e)))?;
@@ -125,7 +125,7 @@ fn write_log(
     Ok(())
 }
 
-/// The command as a person would repeat it, without the truth.
+/// The command to repeat the simulation, without the truth.
 fn command_line(args: &Args) -> String {
     let duration = args.duration_s.map(|d| format!(" --duration-s {d}")).unwrap_or_default();
     let (scene, output) = (args.scene.display(), args.output.display());

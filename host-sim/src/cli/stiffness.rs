@@ -51,21 +51,21 @@ pub struct Args {
     json: Json,
 }
 
-/// One pull.
+/// A pull against a post.
 struct Found {
     path: String,
     pull: Pull,
     stiffness: Stiffness,
-    /// What a simulator says of it.
+    /// Description by the simulator, if the pull was simulated.
     synthetic: Option<String>,
     /// Time, s, and force, N.
     samples: Vec<(f64, f64)>,
 }
 
-/// Name and version of the JSON; changes when a meaning changes.
+/// Name and version of the JSON format; changes if a meaning changes.
 const SCHEMA: &str = "floe-stiffness/1";
 
-/// One pull alone, as JSON.
+/// A single pull as JSON.
 #[derive(Serialize)]
 struct Alone<'a> {
     schema: &'static str,
@@ -74,7 +74,7 @@ struct Alone<'a> {
     stiffness: Stiffness,
 }
 
-/// Several pulls, as JSON.
+/// Several pulls as JSON.
 #[derive(Serialize)]
 struct Several<'a> {
     schema: &'static str,
@@ -153,7 +153,7 @@ impl Found {
     }
 }
 
-/// Says which pulls are the same one: their mean looks surer than it is.
+/// Warns of equal pulls, because their mean would seem too accurate.
 fn tell_twice(found: &[Found]) {
     for (later, it) in found.iter().enumerate() {
         if let Some(first) = found.iter().take(later).find(|other| other.samples == it.samples) {
@@ -212,7 +212,7 @@ fn pull(args: &Args, number: usize, log: &Log) -> Result<Pull, InputError> {
     })
 }
 
-/// Force against what the winch has taken up since the line began: the paper's Fig. 8.
+/// Force against the cable taken up since the start of the line: the paper's Fig. 8.
 fn extension(found: &[Found]) -> String {
     let mut text = "pull,extension_m,force_n\n".to_string();
     for (pull, it) in found.iter().enumerate() {

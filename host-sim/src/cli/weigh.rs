@@ -1,4 +1,4 @@
-//! `floe weigh`: the block's weight from a recording of it on the tripod.
+//! `floe weigh`: determines the block's weight from a recording of it on the tripod.
 
 use std::path::Path;
 
@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     Ok(())
 }
 
-/// The weight, and what was assumed about the log.
+/// The weight, and assumptions about the log.
 fn measure(path: &str, args: &Args) -> Result<(Weight, Vec<String>), InputError> {
     let mut log = Log::from_reader(open(path, false)?, &args.log_options)?;
     let (tare_counts, counts_per_n) = (args.tare_counts, args.counts_per_n);
@@ -83,7 +83,7 @@ fn text(weight: &Weight) -> String {
         None => "none seen".to_string(),
     };
     let Weight { duration_s, scatter_n, .. } = weight;
-    // Shown however small beside the weight: a weighing is never exact.
+    // The uncertainty is shown even if it is small, since a weighing is never exact.
     let std_n = weight.weight_std_n;
     let weight_n = format!("{:.*} ± {}", digits(std_n), weight.weight_n, own_digits(std_n));
     let mut rest = String::new();

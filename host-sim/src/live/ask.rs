@@ -1,12 +1,12 @@
-//! Keys to commands.
+//! Converts keys to commands.
 
 use floe_firmware::command::Command;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
-/// Longest answer; a board takes 80.
+/// Longest answer, characters; a board accepts 80.
 const LONGEST: usize = 60;
 
-/// What the user is being asked.
+/// A question to the user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Question {
     Weight,
@@ -53,39 +53,39 @@ impl Question {
     }
 }
 
-/// What a key comes to.
+/// Action of a key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Deed {
-    /// Nothing, or only on the display.
+    /// No action, or one on the display only.
     None,
-    /// Say this to the board.
+    /// Send this text to the board.
     Say(String),
-    /// Leave.
+    /// Leave the display.
     Quit,
 }
 
-/// The last row: the keys, or a question with what has been typed.
+/// State of the last row: the keys, or a question and its answer so far.
 #[derive(Clone, Debug, Default)]
 pub struct Ask {
     question: Option<Question>,
     typed: String,
     refused: Option<&'static str>,
-    /// All keys are shown until the next one.
+    /// Whether all keys are shown until the next key.
     help: bool,
 }
 
-/// What a key does.
+/// Kind of a key's action.
 #[derive(Clone, Copy, Debug)]
 enum Does {
-    /// Says its own word to the board.
+    /// Sends the key's word to the board.
     Say,
     Ask(Question),
     Quit,
-    /// What [`Ask::key`] knows by itself.
+    /// Handled by [`Ask::key`].
     Else,
 }
 
-/// The keys and what they do, the ones that stand in the last row first.
+/// The keys with their words and actions; those shown in the last row come first.
 const KEYS: [(&str, &str, Does); 16] = [
     ("s", "start", Does::Say),
     ("x", "stop", Does::Ask(Question::Stop)),
@@ -104,7 +104,7 @@ const KEYS: [(&str, &str, Does); 16] = [
     (":", "any command", Does::Ask(Question::Command)),
     ("Esc", "leave a question", Does::Else),
 ];
-/// Keys of the last row.
+/// Number of keys shown in the last row.
 const FEW: usize = 7;
 
 fn listed() -> impl Iterator<Item = String> {
@@ -112,7 +112,7 @@ fn listed() -> impl Iterator<Item = String> {
 }
 
 impl Ask {
-    /// What stands in the last row.
+    /// Text of the last row.
     #[must_use]
     pub fn text(&self) -> String {
         let Some(question) = self.question else {
@@ -124,19 +124,19 @@ impl Ask {
         format!("{}{colon}{}{cursor}{refused}", question.text(), self.typed)
     }
 
-    /// All keys, if they are to be shown.
+    /// All keys, if they are shown.
     #[must_use]
     pub fn keys(&self) -> Option<Vec<String>> {
         self.help.then(|| listed().collect())
     }
 
-    /// Whether something is being asked.
+    /// Whether a question is open.
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.question.is_some()
     }
 
-    /// Takes a key.
+    /// Handles a key.
     pub fn key(&mut self, key: KeyEvent) -> Deed {
         if key.kind == KeyEventKind::Release {
             return Deed::None;
@@ -178,14 +178,14 @@ impl Ask {
             self.typed.pop();
         } else if let Some(letter) = code.as_char().filter(|_| question.wants_text()) {
             let fits = self.typed.len() < LONGEST && !letter.is_control();
-            // A keyboard of another country has its decimal comma.
+            // Keyboards of some countries have a decimal comma.
             let letter = if letter == ',' && question.wants_number() { '.' } else { letter };
             self.typed.extend(fits.then_some(letter));
         }
         Deed::None
     }
 
-    /// The board's own parser judges before the board does.
+    /// Ends a question; the board's own parser checks the command before it is sent.
     fn finish(&mut self, question: Question) -> Deed {
         if !self.typed.is_ascii() {
             self.refused = Some("the board has letters without accents only");
@@ -209,7 +209,7 @@ impl Ask {
 mod tests {
     use super::*;
 
-    /// Every key in turn; the last one's deed.
+    /// Presses keys in turn; returns the action of the last one.
     fn press(ask: &mut Ask, keys: &str) -> Deed {
         let mut deed = Deed::None;
         for letter in keys.chars() {

@@ -1,4 +1,4 @@
-//! What the block does, in one word and one colour.
+//! The state of the block as one word and one colour.
 
 use std::time::Duration;
 
@@ -8,12 +8,12 @@ use ratatui::style::Color;
 use super::state::State;
 use super::verdict::SILENCE;
 
-/// A weighing says something every second.
+/// Time after a weighing's message (sent every second) until weighing counts as ended.
 const WEIGHING: Duration = Duration::from_secs(3);
-/// Unusable samples in a row that are a fault, not an incident: a quarter of a second.
+/// Consecutive unusable samples that count as a fault: a quarter of a second.
 pub const IN_A_ROW: usize = 4;
 
-/// The word and the colour behind it.
+/// The word and its background colour.
 #[must_use]
 pub fn band(state: &State, now: Duration) -> (&'static str, Color) {
     if state.away.is_some() {
@@ -35,7 +35,7 @@ pub fn band(state: &State, now: Duration) -> (&'static str, Color) {
     }
 }
 
-/// What is shown is not of now.
+/// Whether the shown values are not current.
 #[must_use]
 pub fn is_stale(state: &State, now: Duration) -> bool {
     state.away.is_some() || is_silent(state, now)

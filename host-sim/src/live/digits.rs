@@ -1,10 +1,9 @@
-//! Numbers and words three rows high, to be read from two steps away.
+//! Numbers and words three rows high, readable from two steps away.
 
-/// Rows of a number.
+/// Rows of a large number.
 pub const ROWS: usize = 3;
 
-/// Five rows of points, upper left first; `#` is on. Two of them make a row of
-/// characters.
+/// Five rows of pixels, from the upper left; `#` is lit. Two pixel rows make a row of characters.
 const GLYPHS: [(char, [&str; 5]); 32] = [
     ('0', ["###", "# #", "# #", "# #", "###"]),
     ('1', [" # ", "## ", " # ", " # ", "###"]),
@@ -40,8 +39,8 @@ const GLYPHS: [(char, [&str; 5]); 32] = [
     (' ', ["  ", "  ", "  ", "  ", "  "]),
 ];
 
-/// A text of digits, points, minus signs and some capitals as rows of blocks; what else
-/// there is stays as it is, in the last row.
+/// Digits, points, minus signs and some capitals as rows of blocks; other characters are unchanged,
+/// in the last row.
 #[must_use]
 pub fn big(text: &str) -> [String; ROWS] {
     let mut rows: [String; ROWS] = Default::default();

@@ -1,12 +1,11 @@
-//! Text in rows of a given width, never cut within a word or a number.
+//! Text in rows of a given width, without breaks in words or numbers.
 
 use ratatui::text::{Line, Span};
 
-/// Between parts of a row.
+/// Space between parts of a row.
 const GAP: &str = "   ";
 
-/// The words of a text in rows of at most `width` characters; only a word that is longer
-/// than that is cut.
+/// The words of a text in rows of at most `width` characters; only a longer word is broken.
 #[must_use]
 pub fn wrapped(text: &str, width: u16) -> Vec<String> {
     let width = usize::from(width).max(1);
@@ -38,7 +37,7 @@ pub fn wrapped(text: &str, width: u16) -> Vec<String> {
     rows
 }
 
-/// Parts side by side, as many in a row as fit; a part that is wider than a row is wrapped.
+/// Parts side by side, as many per row as fit; a part wider than a row is wrapped.
 #[must_use]
 pub fn flow(parts: Vec<Span<'static>>, width: u16) -> Vec<Line<'static>> {
     let mut rows: Vec<Line<'static>> = Vec::new();

@@ -1,27 +1,27 @@
-//! Bytes to lines.
+//! Splits bytes into lines.
 
-/// Far more than the longest line of a board; beyond it, it is no board's.
+/// Largest length of a line, bytes, far above that of a board's lines.
 const LONGEST: usize = 4096;
 
-/// Collects bytes until a line is whole.
+/// Collects bytes until a line is complete.
 #[derive(Debug, Default)]
 pub struct Lines {
     partial: Vec<u8>,
-    /// A line has begun since the port was opened: what comes now is a whole one.
+    /// Whether a line has begun since the port was opened, so that the next one is complete.
     begun: bool,
 }
 
-/// A line as it came, without its end.
+/// A received line without its end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Received {
-    /// Its text; what is no UTF-8 is replaced, which its checksum will tell.
+    /// Text of the line; invalid UTF-8 is replaced, and the checksum then fails.
     pub text: String,
-    /// It began before the port was opened: a damaged one says nothing.
+    /// Whether the line began before the port was opened, so that damage is no fault.
     pub cut: bool,
 }
 
 impl Lines {
-    /// Takes bytes, and gives the lines that they complete; empty ones are no lines.
+    /// Takes bytes and returns the lines that they complete, except empty ones.
     pub fn take(&mut self, bytes: &[u8]) -> Vec<Received> {
         let mut received = Vec::new();
         for &byte in bytes {
@@ -41,7 +41,7 @@ impl Lines {
         received
     }
 
-    /// The port is another one now: what was begun is not continued.
+    /// Discards an incomplete line after the port was reopened.
     pub fn restart(&mut self) {
         *self = Self::default();
     }

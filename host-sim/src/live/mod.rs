@@ -1,4 +1,4 @@
-//! The field display: what a board says, shown while it says it.
+//! The field display: shows a board's output as it arrives.
 //!
 //! ```text
 //!  port ─► lines ─► state ─► screen (a terminal), or one plain or JSON line per event
@@ -6,8 +6,8 @@
 //!   └────── commands ◄── keys ┘
 //! ```
 //!
-//! Nothing is computed here: every number on the display stands in one of the
-//! board's lines, whose form is [`floe_firmware::line`].
+//! Nothing is computed here: every number on the display is in one of the board's lines, whose form
+//! is [`floe_firmware::line`].
 
 mod ask;
 mod band;

@@ -1,4 +1,4 @@
-//! Force and its rate as they come: the loop that the paper reads a slip from.
+//! Force and its rate as they arrive: the loop in which the paper reads a slip.
 
 use floe_core::{Phase, SampleFlag};
 use ratatui::Frame;
@@ -9,12 +9,12 @@ use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType};
 
 use super::state::State;
 
-/// A rate is that of the sample so many before the one it comes with.
+/// Number of samples by which a rate is delayed.
 const DELAY: usize = 2;
-/// Newest samples that are drawn: eight seconds.
+/// Number of newest samples drawn: eight seconds.
 const SHOWN: usize = 128;
 
-/// Force in N and its rate in N/s, the oldest first, and whether the block slipped.
+/// Force, N, rate, N/s, and whether the block slipped; the oldest first.
 #[must_use]
 pub fn points(state: &State) -> Vec<(f64, f64, bool)> {
     let samples: Vec<_> = state.trace.iter().collect();
@@ -31,8 +31,7 @@ pub fn points(state: &State) -> Vec<(f64, f64, bool)> {
     known.into_iter().skip(first).collect()
 }
 
-/// By how much the central difference shows the rate of a slip too small:
-/// `sin(omega dt) / (omega dt)`.
+/// Factor by which the central difference reduces the rate in a slip: `sin(omega dt) / (omega dt)`.
 #[must_use]
 pub fn attenuation(state: &State) -> Option<f64> {
     let omega = f64::from(state.report?.omega_rad_per_s?.value);
@@ -40,7 +39,8 @@ pub fn attenuation(state: &State) -> Option<f64> {
     (angle > 0.0).then(|| angle.sin() / angle)
 }
 
-/// Draws it into an area of any size. Onset and re-stick of the last event are marked.
+/// Draws the phase plane into an area of any size, with onset and re-stick of the last event
+/// marked.
 pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     let points = points(state);
     let of = |slips: bool| -> Vec<(f64, f64)> {
@@ -71,7 +71,7 @@ pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     frame.render_widget(chart.block(Block::new().title(title)).legend_position(None), area);
 }
 
-/// An axis with its ends and unit; one that begins just below zero begins at 0, not at -0.
+/// An axis with its ends and unit; one that begins slightly below zero is labelled 0, not -0.
 pub(super) fn axis((low, high): (f64, f64), unit: &str) -> Axis<'static> {
     let labels = [format!("{:.0}", low.round() + 0.0), format!("{high:.0} {unit}")];
     Axis::default().bounds([low, high]).labels(labels)

@@ -1,4 +1,4 @@
-//! Where a board is to be found.
+//! Address of a board.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Read, Write};
@@ -9,9 +9,9 @@ use serial2::SerialPort;
 
 use crate::error::InputError;
 
-/// The console's rate on every board.
+/// Baud rate of the console on every board.
 const BAUD: u32 = 115_200;
-/// How long a read waits, and so a command at most.
+/// Longest wait of a read, and thereby longest delay of a command.
 const READ_WAIT: Duration = Duration::from_millis(50);
 const WRITE_WAIT: Duration = Duration::from_secs(1);
 const CONNECT_WAIT: Duration = Duration::from_secs(3);
@@ -27,13 +27,13 @@ pub enum Place {
     Unix(String),
 }
 
-/// Both ways, with short waits.
+/// A connection in both directions, with short waits.
 pub trait Stream: Read + Write + Send {}
 
 impl<T: Read + Write + Send> Stream for T {}
 
 impl Place {
-    /// Reads what a user gave.
+    /// Parses the user's text.
     #[must_use]
     pub fn parse(text: &str) -> Self {
         if let Some(path) = text.strip_prefix("unix:") {
@@ -50,10 +50,10 @@ impl Place {
         }
     }
 
-    /// Opens it.
+    /// Opens the connection.
     ///
     /// # Errors
-    /// What is wrong with it and what to do, in one line.
+    /// The problem and its remedy, in one line.
     pub fn open(&self) -> Result<Box<dyn Stream>, InputError> {
         let opened = match self {
             Self::Serial(name) => open_serial(name),
@@ -125,7 +125,7 @@ fn open_unix(_: &str) -> io::Result<Box<dyn Stream>> {
     Err(io::Error::new(ErrorKind::Unsupported, "this system has no such sockets"))
 }
 
-/// The ports that are there, in words.
+/// The existing ports, as text.
 fn ports() -> String {
     let mut found = SerialPort::available_ports().unwrap_or_default();
     found.sort();

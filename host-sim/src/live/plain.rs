@@ -1,4 +1,4 @@
-//! For a file or another program: one line per event.
+//! Output for a file or another program: one line per event.
 
 use std::io::{ErrorKind, Write};
 use std::time::{Duration, Instant};
@@ -15,12 +15,12 @@ use super::port::{Input, Port};
 use super::save::Save;
 use super::state::State;
 
-/// How an event is written.
+/// Form of an event's line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// For a person.
+    /// Text for a person.
     Plain,
-    /// An object with the fields of a replay's events.
+    /// A JSON object with the fields of a replay's events.
     Json,
 }
 
@@ -38,7 +38,7 @@ pub fn run(place: &Place, port: &Port, form: Form, save: Option<Save>) -> Result
         match input {
             Input::Up => {
                 list.up(place, now);
-                // The rate and the number of the test.
+                // Requests the rate and the number of the test.
                 port.say("status");
             }
             Input::Down(reason) => list.down(place, reason),
@@ -58,7 +58,7 @@ struct List {
     lines: Lines,
     form: Form,
     save: Option<Save>,
-    /// Damaged lines that standard error has been told of, once there were any.
+    /// Number of damaged lines reported on standard error; `None` before the first.
     told: Option<u64>,
 }
 
@@ -77,7 +77,7 @@ impl List {
         say(&format!("{} bytes so far came too fast and were left out", self.state.dropped));
     }
 
-    /// Whether somebody still reads.
+    /// Processes bytes; returns whether standard output still has a reader.
     fn take(&mut self, bytes: &[u8], now: Duration) -> Result<bool, InputError> {
         for received in self.lines.take(bytes) {
             if let Some(save) = &mut self.save {
@@ -99,7 +99,7 @@ impl List {
         self.state.down(reason);
     }
 
-    /// At the first, the tenth, the hundredth.
+    /// Reports damaged lines: at the first, tenth and hundredth.
     fn tell_damage(&mut self) {
         let damaged = self.state.damaged;
         if damaged >= self.told.map_or(1, |told| told.saturating_mul(10)) {
@@ -108,7 +108,7 @@ impl List {
         }
     }
 
-    /// Whether somebody still reads.
+    /// Prints an event; returns whether standard output still has a reader.
     fn print(&self, event: &Event) -> Result<bool, InputError> {
         let text = self.text(event)?;
         let mut out = std::io::stdout().lock();
@@ -131,7 +131,7 @@ impl List {
     }
 }
 
-/// A coefficient of an event.
+/// Text of an event's coefficient.
 pub(super) fn coefficient(value: Option<Coefficient>) -> String {
     match value {
         Some(value) => format!("{:.4} ± {}", value.value, narrow(value.combined_std().into())),

@@ -1,4 +1,4 @@
-//! The line to the board, kept up by a thread of its own.
+//! The connection to the board, maintained by a separate thread.
 
 use std::io::ErrorKind;
 use std::sync::mpsc::{self, Receiver, Sender, SyncSender, TryRecvError, TrySendError};
@@ -9,27 +9,27 @@ use crate::error::InputError;
 
 use super::place::{Place, Stream};
 
-/// Between attempts to open a port that went away.
+/// Time between attempts to reopen a lost port.
 const RETRY_WAIT: Duration = Duration::from_millis(500);
 
-/// Pieces of at most 4 KiB that wait for the display: more is dropped and counted, so
-/// that neither memory nor the time to the newest line grows.
+/// Number of pieces of at most 4 KiB that wait for the display. More are dropped and counted, so
+/// that neither memory nor the delay of the newest line grows.
 const WAITING: usize = 64;
 
-/// What comes of a port.
+/// Event of a port.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// It is open, for the first time or again.
+    /// The port was opened or reopened.
     Up,
-    /// The board said this, whole lines or not.
+    /// Bytes from the board, not necessarily complete lines.
     Bytes(Vec<u8>),
-    /// So many bytes came faster than they were taken, and are gone.
+    /// Number of bytes that arrived too fast and were dropped.
     Dropped(u64),
-    /// It went away, and why; it is tried again.
+    /// The port was lost, with the reason; reopening is attempted.
     Down(String),
 }
 
-/// A port that comes back when it goes away.
+/// A port that is reopened when it is lost.
 #[derive(Debug)]
 pub struct Port {
     inputs: Receiver<Input>,
@@ -37,37 +37,37 @@ pub struct Port {
 }
 
 impl Port {
-    /// Opens a port. Only this first time a failure is an error.
+    /// Opens a port. Only this first attempt can fail with an error.
     ///
     /// # Errors
-    /// One line for the user.
+    /// A message of one line.
     pub fn connect(place: &Place) -> Result<Self, InputError> {
         let stream = place.open()?;
         let (to_display, inputs) = mpsc::sync_channel(WAITING);
         let (commands, to_board) = mpsc::channel();
         let place = place.clone();
-        // It ends when nobody listens any more.
+        // The thread ends when the receiver is dropped.
         thread::spawn(move || keep_up(&place, stream, &to_display, &to_board));
         Ok(Self { inputs, commands })
     }
 
-    /// Says a line to the board. While the port is away it is not said at all:
-    /// nothing must start by itself minutes later.
+    /// Sends a line to the board. While the port is lost the line is discarded, because a command
+    /// must not take effect minutes later.
     pub fn say(&self, command: &str) {
         let _ = self.commands.send(format!("{command}\r\n"));
     }
 
-    /// The next thing that happened, if it happens in time.
+    /// The next event, if one arrives in time.
     #[must_use]
     pub fn next(&self, wait: Duration) -> Option<Input> {
         self.inputs.recv_timeout(wait).ok()
     }
 }
 
-/// Nobody listens any more.
+/// The receiver was dropped.
 struct Unheard;
 
-/// Talks, and opens the port again whenever it went away.
+/// Communicates with the board and reopens the port when it is lost.
 fn keep_up(
     place: &Place,
     mut stream: Box<dyn Stream>,
@@ -80,7 +80,7 @@ fn keep_up(
             Ok(reason) => tell(Input::Down(reason)),
             Err(Unheard) => return Unheard,
         };
-        // Closed before it is opened again: a serial port may belong to one only.
+        // Closed before it is reopened, because a serial port may be open only once.
         drop(stream);
         stream = loop {
             thread::sleep(RETRY_WAIT);
@@ -95,7 +95,7 @@ fn keep_up(
     Unheard
 }
 
-/// Talks until the port goes away: why it did.
+/// Communicates until the port is lost; returns the reason.
 fn talk(
     stream: &mut dyn Stream,
     to_display: &SyncSender<Input>,
@@ -125,7 +125,7 @@ fn talk(
     }
 }
 
-/// Gives bytes to the display, or counts them if it has no room.
+/// Passes bytes to the display, or counts them if there is no room.
 fn hand_over(
     bytes: &[u8],
     dropped: &mut u64,
@@ -145,7 +145,7 @@ fn hand_over(
     Ok(())
 }
 
-/// Does something with every command that waits.
+/// Calls `each` for every waiting command.
 fn commands(to_board: &Receiver<String>, mut each: impl FnMut(String)) -> Result<(), Unheard> {
     loop {
         match to_board.try_recv() {

@@ -1,4 +1,4 @@
-//! The board's lines, kept as they came.
+//! Saves the board's lines unchanged.
 
 use std::fs::File;
 use std::io::{ErrorKind, Write};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{InputError, printable_line};
 
-/// A new file for lines.
+/// A new file for the lines.
 #[derive(Debug)]
 pub struct Save {
     file: File,
@@ -14,10 +14,10 @@ pub struct Save {
 }
 
 impl Save {
-    /// Makes the file.
+    /// Creates the file.
     ///
     /// # Errors
-    /// It is there already, or cannot be made.
+    /// The file exists already, or cannot be created.
     pub fn create(path: &Path) -> Result<Self, InputError> {
         let file = File::create_new(path).map_err(|error| {
             let why = if error.kind() == ErrorKind::AlreadyExists {
@@ -30,11 +30,11 @@ impl Save {
         Ok(Self { file, path: path.to_path_buf() })
     }
 
-    /// Adds a line at once: the power may fail. What would command a terminal is written
-    /// as `\u001b`.
+    /// Appends a line at once, because the power may fail. Control characters are written as
+    /// `\u001b`.
     ///
     /// # Errors
-    /// The file cannot be written any more.
+    /// The file cannot be written.
     pub fn line(&mut self, text: &str) -> Result<(), InputError> {
         self.file.write_all(format!("{}\n", printable_line(text)).as_bytes()).map_err(|error| {
             InputError::new(format!("cannot be written: {error}")).within(self.path.display())

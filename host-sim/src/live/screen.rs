@@ -1,4 +1,4 @@
-//! The display: few numbers, large, and what is wrong in plain words.
+//! The display: few large numbers, and problems in plain words.
 
 use std::time::Duration;
 
@@ -23,18 +23,18 @@ use super::state::State;
 use super::verdict::{Level, verdict};
 use super::{phase_plane, trace};
 
-/// Below this size the numbers are small.
+/// Size of the terminal below which the numbers are small.
 const LARGE: (u16, u16) = (74, 15);
-/// From this height on the state is large too.
+/// Height of the terminal from which the state is large too.
 const LARGE_BAND: u16 = 20;
-/// A trace of fewer rows shows nothing.
+/// Smallest height of the trace.
 const TRACE_ROWS: u16 = 4;
-/// From this width on the phase plane stands beside the trace.
+/// Width of the terminal from which the phase plane is drawn next to the trace.
 const PLANE_FROM: u16 = 110;
-/// A verdict, or a question, is no longer than this many rows.
+/// Largest number of rows of a verdict or a question.
 const MOST_ROWS: usize = 4;
 
-/// Draws everything, into a terminal of any size.
+/// Draws all parts, for a terminal of any size.
 pub fn draw(frame: &mut Frame<'_>, state: &State, ask: &Ask, place: &str, now: Duration) {
     let area = frame.area();
     let large = area.width >= LARGE.0 && area.height >= LARGE.1;
@@ -63,7 +63,7 @@ pub fn draw(frame: &mut Frame<'_>, state: &State, ask: &Ask, place: &str, now: D
     frame.render_widget(last, end);
 }
 
-/// The trace, and the phase plane where there is room.
+/// Draws the trace, and the phase plane if there is room.
 fn draw_force(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     if area.width < PLANE_FROM {
         return trace::draw(frame, area, state, style);
@@ -74,7 +74,7 @@ fn draw_force(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     phase_plane::draw(frame, right, state, style);
 }
 
-/// A question, else what came of the last answer, else the keys.
+/// A question, else the reply to the last command, else the keys.
 fn last_rows(state: &State, ask: &Ask, now: Duration, width: u16) -> Text<'static> {
     let reply = state.reply(now).filter(|_| !ask.is_open());
     if !ask.is_open() && reply.is_none() {
@@ -92,8 +92,8 @@ fn rows_of(text: &str, width: u16) -> Text<'static> {
     Text::from(rows.map(Line::from).collect::<Vec<_>>())
 }
 
-/// Title, verdict, state, numbers, words, trace, keys. Where there is no room for all, an
-/// open question stays longest, then the verdict, then the numbers.
+/// Heights of title, verdict, state, numbers, words, trace and keys. If there is not enough room,
+/// an open question has priority, then the verdict, then the numbers.
 fn rows(area: Rect, large: bool, asking: bool, heights: [u16; 3]) -> [Rect; 7] {
     let [verdict, end, words] = heights;
     let mut left = area.height;
@@ -115,7 +115,7 @@ fn rows(area: Rect, large: bool, asking: bool, heights: [u16; 3]) -> [Rect; 7] {
     Layout::vertical(all.map(Constraint::Length)).areas(area)
 }
 
-/// As many parts as fit.
+/// The title with as many of its parts as fit.
 fn title(state: &State, place: &str, width: u16) -> Paragraph<'static> {
     let mut parts = vec![format!(" floe {place}")];
     if let Some((run, settings)) = &state.test {
@@ -145,7 +145,7 @@ fn verdict_rows(state: &State, now: Duration, width: u16) -> Text<'static> {
     Text::from(rows.map(|row| Line::from(format!(" {row}"))).collect::<Vec<_>>()).style(style)
 }
 
-/// What the block does, large where there is room.
+/// The state of the block, large if there is room.
 fn band_rows(state: &State, now: Duration, area: Rect) -> Paragraph<'static> {
     let (word, ground) = band(state, now);
     let style = Style::new().fg(Color::Black).bg(ground).add_modifier(Modifier::BOLD);
@@ -157,7 +157,7 @@ fn band_rows(state: &State, now: Duration, area: Rect) -> Paragraph<'static> {
     Paragraph::new(rows.into_iter().map(Line::from).collect::<Vec<_>>()).style(style)
 }
 
-/// A number: what it is, its digits, what stands below.
+/// A number: its name, its digits, and the text below.
 type Number = (String, Option<String>, String);
 
 fn force(state: &State) -> Number {
@@ -192,11 +192,11 @@ fn numbers(state: &State, now: Duration) -> [Number; 3] {
     ]
 }
 
-/// The block on the tripod.
+/// Numbers of a weighing.
 fn weighing(weighed: &Weighed) -> [Number; 3] {
     let load = weighed.load.ok();
     let swing = load.and_then(|load| load.swing);
-    // As many as there is room for, large.
+    // As many decimals as fit in large digits.
     let decimals = |load: Load| if load.value < 1000.0 { 2 } else { 1 };
     let seconds = format!("{:.0} s of 64", weighed.duration_s);
     let excess = swing.map(|swing| format!("{:.2} N taken off", swing.excess));
@@ -215,7 +215,7 @@ fn weighing(weighed: &Weighed) -> [Number; 3] {
     ]
 }
 
-/// At most so many characters, the decimals first to go.
+/// A number in at most `width` characters, with decimals removed first.
 fn fit(value: f32, width: usize) -> String {
     let [long, short] = [1, 0].map(|decimals| format!("{value:.decimals$}"));
     if long.len() <= width { long } else { short }
@@ -244,7 +244,7 @@ fn draw_small(frame: &mut Frame<'_>, area: Rect, numbers: [Number; 3], style: St
     frame.render_widget(Paragraph::new(rows.to_vec()).style(style), area);
 }
 
-/// All that stands below the numbers, in rows.
+/// All text below the numbers, in rows.
 fn words(state: &State, width: u16) -> Vec<Line<'static>> {
     let parts = [event(state), about(state), quantities(state), samples(state)];
     parts.into_iter().flat_map(|parts| flow(parts, width)).collect()
@@ -264,7 +264,7 @@ fn event(state: &State) -> Vec<Span<'static>> {
     parts.map(Span::raw).to_vec()
 }
 
-/// The newest slip, as long as the board has no more than a first answer on it.
+/// The newest slip, while the board has only a first answer on it.
 fn about(state: &State) -> Vec<Span<'static>> {
     let Some(about) = &state.about else { return Vec::new() };
     let at = about.index as f64 / state.rate_hz();
@@ -278,7 +278,7 @@ fn about(state: &State) -> Vec<Span<'static>> {
 
 fn quantities(state: &State) -> Vec<Span<'static>> {
     let report = state.report.as_ref();
-    // Events that are refused tell nothing.
+    // Rejected events have no coefficients to show.
     let told = report.filter(|report| report.mu_s.or(report.mu).is_some());
     let parts = [
         ("noise", report.and_then(|report| report.noise_n), "N", 1),
@@ -301,7 +301,7 @@ fn quantities(state: &State) -> Vec<Span<'static>> {
     parts.chain(shown).map(Span::raw).collect()
 }
 
-/// Counters, those above zero marked.
+/// Counters; those above zero are marked.
 fn samples(state: &State) -> Vec<Span<'static>> {
     let counters = state.report.map(|report| report.counters).unwrap_or_default();
     let health = state.health.unwrap_or_default();

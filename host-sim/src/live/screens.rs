@@ -1,5 +1,5 @@
-//! The display in every state and three sizes, as it was when somebody last looked at it:
-//! `live_screens/`. `FLOE_GOLDEN=write` writes them anew, to be looked at again.
+//! The display in every state and three sizes, compared with reviewed copies in `live_screens/`.
+//! `FLOE_GOLDEN=write` writes them again, to be reviewed.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use super::tests::{
 use super::verdict::verdict;
 
 const SIZES: [(u16, u16); 3] = [(40, 15), (80, 24), (160, 50)];
-/// When the screens are looked at, s.
+/// Time at which the screens are drawn, s.
 const NOW_S: f64 = 15.0;
 
 fn states() -> [(&'static str, State, f64); 8] {
@@ -56,7 +56,7 @@ fn states() -> [(&'static str, State, f64); 8] {
     ]
 }
 
-/// A test with rates of the force; the last samples are of one phase.
+/// A test with rates of the force; its last samples are of one phase.
 fn with_rates(phase: Phase, rate_n_per_s: f32) -> State {
     let mut state = measuring();
     for (index, at) in state.trace.iter_mut().zip(0_u16..) {
@@ -89,7 +89,7 @@ fn screens_are_as_they_were_looked_at() {
     }
 }
 
-/// The verdict stands there to its last word, whatever the width.
+/// The whole text of a verdict is shown at every width.
 #[test]
 fn no_verdict_is_cut() {
     for (name, state, now_s) in states() {
@@ -106,7 +106,7 @@ fn no_verdict_is_cut() {
     }
 }
 
-/// So do questions, with what is wrong with the answer, and all keys.
+/// Questions, with the error of an answer, and all keys are shown completely.
 #[test]
 fn no_question_is_cut() {
     use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};

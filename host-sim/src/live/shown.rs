@@ -1,4 +1,4 @@
-//! What the display shows of what a board has said, without a terminal.
+//! Text of the display for a board's output, without a terminal.
 
 use std::time::Duration;
 
@@ -11,12 +11,12 @@ use super::lines::Lines;
 use super::screen;
 use super::state::State;
 
-/// The rows of a display of `size` (columns, rows) that has heard `console`.
+/// The rows of a display of `size` (columns, rows) that has received `console`.
 #[must_use]
 pub fn shown(console: &str, size: (u16, u16)) -> Vec<String> {
     let mut state = State::default();
     state.up(Duration::ZERO);
-    // A console does not say when its lines came: one a second, so that what is over is over.
+    // A console does not contain times. One line per second lets temporary states expire.
     let mut now = Duration::ZERO;
     for received in Lines::default().take(console.as_bytes()) {
         now += Duration::from_secs(1);

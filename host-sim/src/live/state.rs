@@ -1,4 +1,4 @@
-//! What the board has said so far.
+//! State built from the board's output.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -16,83 +16,85 @@ use crate::replay::result::EventSummary;
 /// Samples that the trace holds: 30 s of the board's 16 Hz.
 pub const TRACE_LEN: usize = 480;
 
-/// Everything that a display shows. Times are since the display was started.
+/// All values for a display. Times are relative to the start of the display.
 #[derive(Clone, Debug, Default)]
 pub struct State {
-    /// Whether the port is there, and if not, why.
+    /// Reason why the port is away; `None` while it is open.
     pub away: Option<String>,
-    /// When the board last said a whole line, or the port came up.
+    /// Time of the last complete line, or of opening the port.
     pub heard: Duration,
     /// Number and settings of the test.
     pub test: Option<(u32, Settings)>,
-    /// Whether a test is running, once the board has shown it.
+    /// Whether a test is running, once known.
     pub testing: Option<bool>,
     /// The last samples.
     pub trace: VecDeque<LiveSample>,
-    /// When the last sample came.
+    /// Time of the last sample.
     pub sampled: Option<Duration>,
     /// The last event.
     pub event: Option<Event>,
-    /// A first answer on a slip whose event has not come yet.
+    /// First answer on a slip whose event is not complete yet.
     pub about: Option<About>,
     /// The result so far.
     pub report: Option<Report>,
     /// The state of the board.
     pub health: Option<Health>,
-    /// The weight so far, and when it was said.
+    /// The weight so far, and the time of its message.
     pub weighed: Option<(Weighed, Duration)>,
     /// Temperature of the converter, °C.
     pub temperature_c: Option<f32>,
-    /// When the test began, once the board has said a time of day in it.
+    /// Start of the test, once the board has sent a time of day in it.
     pub began: Option<Start>,
-    /// When samples were last lost by the board, and sectors by the card.
+    /// Time of the last loss of samples by the board or of sectors by the card.
     pub lost: Option<Duration>,
-    /// When a sector could last not be written.
+    /// Time of the last failed write of a sector.
     pub unkept: Option<Duration>,
-    /// What the user last said to it.
+    /// The user's last command.
     pub said: Option<(String, Duration)>,
-    /// When the board last showed settings or the end of a test: it took that.
+    /// Time at which the board last printed settings or the end of a test, which confirms a
+    /// command.
     pub taken: Option<Duration>,
     /// The board's last answer.
     pub answer: Option<(String, Duration)>,
     /// The board's last complaint.
     pub complaint: Option<(String, Duration)>,
-    /// Lines with a wrong checksum or bad fields.
+    /// Number of lines with a wrong checksum or bad fields.
     pub damaged: u64,
-    /// When the last damaged line came.
+    /// Time of the last damaged line.
     pub damage: Option<Duration>,
-    /// Bytes that came faster than they were taken.
+    /// Number of bytes that arrived too fast.
     pub dropped: u64,
-    /// When the last of them came.
+    /// Time of the last dropped bytes.
     pub flood: Option<Duration>,
-    /// Whole lines of a kind that this version does not know.
+    /// Number of complete lines of a kind unknown to this version.
     pub unknown: u64,
-    /// The line before was the settings: what follows tells whether a test runs.
+    /// Whether the previous line was the settings, so that the next one shows whether a test is
+    /// running.
     after_settings: bool,
 }
 
 impl State {
-    /// The port is there, or again: what was known of the test may be over.
+    /// Handles the opening of the port: the test known before may be over.
     pub fn up(&mut self, now: Duration) {
         self.away = None;
         self.heard = now;
         self.testing = None;
     }
 
-    /// The port is away.
+    /// Handles the loss of the port.
     pub fn down(&mut self, reason: String) {
         self.away = Some(reason);
         self.testing = None;
     }
 
-    /// More came than could be taken.
+    /// Counts dropped bytes.
     pub fn drop(&mut self, bytes: u64, now: Duration) {
         self.dropped = self.dropped.saturating_add(bytes);
         self.flood = Some(now);
         self.after_settings = false;
     }
 
-    /// Takes a line. Gives the event if it is one, for whoever lists them.
+    /// Processes a line; returns the event if it is one.
     pub fn take(&mut self, received: &Received, now: Duration) -> Option<Event> {
         match Line::parse(&received.text) {
             Ok(line) => self.take_line(line, now),
@@ -111,7 +113,7 @@ impl State {
         }
     }
 
-    /// What the user said lately, and what the board said to that.
+    /// The user's recent command, and the board's reply.
     #[must_use]
     pub fn reply(&self, now: Duration) -> Option<String> {
         const READING_TIME: Duration = Duration::from_secs(8);
@@ -131,14 +133,14 @@ impl State {
         Some(format!("{command}: {reply}"))
     }
 
-    /// A moment in seconds from the start of the test.
+    /// A time in seconds from the start of the test.
     #[must_use]
     pub fn seconds(&self, moment: SampleTime) -> f64 {
         (moment.index as f64 + f64::from(moment.fraction)) / self.rate_hz()
     }
 
-    /// An event with all that a replay says of one and that is known by now: `k` is from its own
-    /// rate and the winch speed that the board was told.
+    /// An event with all values of a replay known so far; `k` is from the event's own rate and the
+    /// winch speed in the settings.
     #[must_use]
     pub fn summary(&self, event: &Event) -> EventSummary {
         let (onset_s, stop_s) = (self.seconds(event.onset), self.seconds(event.stop));
@@ -149,7 +151,7 @@ impl State {
         summary
     }
 
-    /// Samples per second: the board's only rate until it has said it.
+    /// Samples per second; until the board sends it, the rate of all boards.
     #[must_use]
     pub fn rate_hz(&self) -> f64 {
         let said = self.test.as_ref().map(|(_, settings)| settings.config.rate_hz);
@@ -194,7 +196,7 @@ impl State {
         None
     }
 
-    /// Settings come at every change and question; a new number is a new test.
+    /// Handles settings, which come at every change and request; a new number means a new test.
     fn start(&mut self, run: u32, settings: Settings, now: Duration) {
         if self.test.as_ref().is_some_and(|(known, _)| *known != run) {
             self.forget_test();
@@ -203,7 +205,7 @@ impl State {
         (self.after_settings, self.taken) = (true, Some(now));
     }
 
-    /// The first time of day in a test dates it, as it does on the card.
+    /// Dates the test by the first time of day in it, as on the card.
     fn date(&mut self, index: u32, unix_ms: u64) {
         let unix_s = unix_ms as f64 / 1e3 - index as f64 / self.rate_hz();
         self.began.get_or_insert(Start { unix_s, is_utc: true });
@@ -246,12 +248,12 @@ impl State {
     }
 }
 
-/// The mean of readings in words.
+/// Text of a mean of readings.
 fn mean_code(Mean { mean, count, failed, .. }: &Mean) -> String {
     format!("mean code {mean:.0} of {count} readings, {failed} failed")
 }
 
-/// A change in words.
+/// Text of a change.
 fn told(change: &Change) -> String {
     let Change { event, weight_ratio: ratio, weight_ratio_std: std, .. } = change;
     match change.cause {

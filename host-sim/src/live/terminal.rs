@@ -1,4 +1,4 @@
-//! The display's loop: port and keys in, frames out.
+//! The loop of the display: handles port and keys, draws frames.
 
 use std::io;
 use std::time::{Duration, Instant};
@@ -18,14 +18,13 @@ use super::save::Save;
 use super::screen;
 use super::state::State;
 
-/// A key is noticed after this time at most, and so is a sample.
+/// Longest delay of a key or a sample.
 const KEY_WAIT: Duration = Duration::from_millis(40);
-/// Pieces that are taken before the next frame and the next key, in a flood too.
+/// Number of pieces processed before the next frame and key, which limits a flood.
 const BATCH: usize = 16;
-/// What changes by itself (a clock, a silence) is drawn after this time.
+/// Longest time between frames, for content that changes without input (clock, silence).
 const REDRAW: Duration = Duration::from_millis(500);
-/// The board is asked for its state this often at least, and at most once a second
-/// when there was an event.
+/// Longest time between requests of the board's state; and the shortest after an event.
 const ASK_EVERY: Duration = Duration::from_secs(5);
 const ASK_AFTER_EVENT: Duration = Duration::from_secs(1);
 
@@ -38,7 +37,7 @@ pub fn run(place: &Place, port: &Port, save: Option<Save>) -> Result<(), InputEr
     let mut terminal = ratatui::try_init().map_err(failed)?;
     let mut display = Display::new(place, port, save);
     let done = display.watch(&mut terminal);
-    // Before anything is said: the screen is another one until then.
+    // Before any message, because until then another screen is active.
     ratatui::restore();
     match (done, display.unsaved) {
         (Err(error), _) => Err(failed(error)),
@@ -51,7 +50,7 @@ struct Display<'a> {
     place: String,
     port: &'a Port,
     save: Option<Save>,
-    /// Why the file ends early.
+    /// Error that ended the file early.
     unsaved: Option<InputError>,
     lines: Lines,
     state: State,
@@ -109,7 +108,7 @@ impl<'a> Display<'a> {
         self.state.said = Some((command, self.start.elapsed()));
     }
 
-    /// Takes what has come, up to a batch: how many pieces.
+    /// Processes waiting input, up to a batch; returns the number of pieces.
     fn listen(&mut self) -> usize {
         for taken in 0..BATCH {
             let Some(input) = self.port.next(Duration::ZERO) else { return taken };
@@ -140,7 +139,7 @@ impl<'a> Display<'a> {
         }
     }
 
-    /// A file that cannot be written any more must not end the display.
+    /// Saves a line; a failing file must not end the display.
     fn keep(&mut self, text: &str, now: Duration) {
         if let Some(Err(error)) = self.save.as_mut().map(|save| save.line(text)) {
             self.state.complaint = Some((error.to_string(), now));
@@ -149,7 +148,7 @@ impl<'a> Display<'a> {
         }
     }
 
-    /// The result so far and the board's health come only when asked for.
+    /// Requests the result so far and the board's health, which the board sends on request only.
     fn question_board(&mut self) {
         let now = self.start.elapsed();
         let since = now.saturating_sub(self.asked);
@@ -164,7 +163,7 @@ impl<'a> Display<'a> {
     }
 }
 
-/// Sets the board's clock by this PC's.
+/// Command that sets the board's clock by this PC's.
 fn clock_now() -> String {
     let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let unix_ms = since.map_or(0, |since| since.as_millis() as u64);
@@ -178,7 +177,7 @@ mod tests {
 
     use super::*;
 
-    /// It sets the clock, wants all samples and asks how things are.
+    /// When the port opens, the display sets the clock, requests all samples and the state.
     #[test]
     fn a_board_is_told_the_time_when_the_port_comes_up() {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();

@@ -1,4 +1,4 @@
-//! The display from the board's own lines, made by the firmware's writer.
+//! Tests of the display with the board's lines, formatted by the firmware.
 
 use std::time::Duration;
 
@@ -34,7 +34,7 @@ pub(super) fn seconds(seconds: f64) -> Duration {
     Duration::from_secs_f64(seconds)
 }
 
-/// The board says a line at a time.
+/// Passes a line of the board to the display.
 pub(super) fn say(state: &mut State, line: &Line<'_>, at_s: f64) {
     let text = line.to_text().unwrap().to_string();
     state.take(&Received { text, cut: false }, seconds(at_s));
@@ -94,7 +94,7 @@ pub(super) fn health() -> Health {
     Health { samples: 240, sectors: 30, period_s: Some(0.0625), ..Health::default() }
 }
 
-/// A test of 15 s: sawtooth, one slip in 28 samples, one event.
+/// A test of 15 s: sawtooth, one slip per 28 samples, one event.
 pub(super) fn measuring() -> State {
     let mut state = State::default();
     state.up(Duration::ZERO);
@@ -129,7 +129,7 @@ fn note(text: &str) -> Verdict {
     Verdict { level: Level::Note, text: text.to_string() }
 }
 
-/// `live.svg` in cargo's folder, for the README.
+/// Draws `live.svg` in cargo's folder, for the README.
 #[test]
 #[ignore = "writes a picture for the eye"]
 fn picture() {
@@ -172,14 +172,14 @@ fn the_whole_display() {
     assert_eq!(rows[..head.len()], head);
     assert!(rows[13].starts_with("800 N│"), "{}", rows[13]);
     assert!(rows[23].starts_with("s start") && rows[23].ends_with("y accept"), "{}", rows[23]);
-    // All of the trace is in the right half of the last 30 s.
+    // The whole trace is in the right half of the last 30 s.
     let dots = |row: &String| row.chars().position(|c| ('\u{2801}'..='\u{28FF}').contains(&c));
     let first = rows[13..21].iter().filter_map(dots).min().unwrap();
     assert!((40..=46).contains(&first), "{first}");
-    // The verdict is green, what is missing is red, a slip is yellow.
+    // The verdict is green, missing samples are red, a slip is yellow.
     assert_eq!(buffer[(0, 1)].bg, Color::Green);
     assert_eq!(buffer[(rows[12].find("missing").unwrap() as u16, 12)].fg, Color::LightRed);
-    // A block that sticks is blue.
+    // A sticking block is blue.
     assert_eq!(buffer[(0, 2)].bg, Color::LightBlue);
     let yellow = buffer.content.iter().filter(|cell| cell.fg == Color::LightYellow).count();
     assert!(yellow > 10, "{yellow}");
@@ -212,7 +212,7 @@ fn no_size_is_too_small_or_too_large() {
     }
 }
 
-/// Forces that a cell never gives must not upset the trace.
+/// Forces that a cell never gives do not break the trace.
 #[test]
 fn odd_forces_are_drawn_or_left_out() {
     for force in [0.0, -0.0, 1e-30, -5.0, -4000.0, 3.4e38, -3.4e38, f32::INFINITY, f32::NAN] {
@@ -242,7 +242,7 @@ fn a_gap_breaks_the_trace() {
     assert_eq!(points, [3, 1, 2, 1]);
     assert_eq!(found.iter().map(|p| p.slips).collect::<Vec<_>>(), [false, false, false, true]);
     assert_eq!(found[0].points[0], (-0.5, 10.0));
-    // A spike that is told of afterwards is taken out.
+    // A sample identified as a spike later is removed.
     say(&mut state, &Line::Spike(1), 0.0);
     let points: Vec<usize> =
         pieces(&state.trace, 16.0).iter().map(|piece| piece.points.len()).collect();

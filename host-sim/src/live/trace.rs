@@ -1,4 +1,4 @@
-//! The last half minute of the force.
+//! The force of the last 30 s.
 
 use std::collections::VecDeque;
 
@@ -13,16 +13,16 @@ use ratatui::widgets::{Axis, Chart, Dataset, GraphType};
 use super::phase_plane::axis;
 use super::state::{State, TRACE_LEN};
 
-/// Points that belong together: one phase, nothing missing between them.
+/// Consecutive points of one phase, without a gap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
     /// Whether the block moves.
     pub slips: bool,
-    /// Seconds before the last sample (negative), N.
+    /// Time before the last sample (negative), s, and force, N.
     pub points: Vec<(f64, f64)>,
 }
 
-/// The trace as pieces; a gap or an unusable sample breaks it.
+/// The trace as pieces; a gap or an unusable sample separates them.
 #[must_use]
 pub fn pieces(trace: &VecDeque<LiveSample>, rate_hz: f64) -> Vec<Piece> {
     let Some(last) = trace.back() else { return Vec::new() };
@@ -39,7 +39,7 @@ pub fn pieces(trace: &VecDeque<LiveSample>, rate_hz: f64) -> Vec<Piece> {
         let slips = sample.phase == Phase::Slip;
         match pieces.last_mut().filter(|_| whole && sample.gap == 0) {
             Some(piece) if piece.slips == slips => piece.points.push(point),
-            // The line goes on in another colour.
+            // The line continues in another colour.
             Some(piece) => {
                 piece.points.push(point);
                 pieces.push(Piece { slips, points: vec![point] });
@@ -51,7 +51,7 @@ pub fn pieces(trace: &VecDeque<LiveSample>, rate_hz: f64) -> Vec<Piece> {
     pieces
 }
 
-/// Draws it into an area of any size.
+/// Draws the trace into an area of any size.
 pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     let rate_hz = state.rate_hz();
     let window_s = TRACE_LEN as f64 / rate_hz;
@@ -71,7 +71,7 @@ pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     frame.render_widget(chart, area);
 }
 
-/// Zero is always in sight; the upper end in steps, so that it does not jump about.
+/// Range of the axis: zero is always included, and the upper end changes in steps to avoid jumps.
 fn bounds(pieces: &[Piece]) -> (f64, f64) {
     let forces = || pieces.iter().flat_map(|piece| &piece.points).map(|point| point.1);
     let step = |force: f64| {
@@ -84,7 +84,7 @@ fn bounds(pieces: &[Piece]) -> (f64, f64) {
     };
     let high = forces().fold(1.0, f64::max);
     let low = forces().fold(0.0, f64::min);
-    // A zero that is a little off is no force.
+    // A small offset of the zero is no force.
     let low = if low < -0.05 * high { -step(-low) } else { low };
     (low, step(high))
 }

@@ -1,4 +1,4 @@
-//! What is wrong, or what to do next, in one plain line.
+//! The current problem, or the next step, in one plain line.
 
 use std::time::Duration;
 
@@ -9,36 +9,36 @@ use super::state::State;
 use crate::replay::result::zero_sentence;
 use crate::rounding::counted;
 
-/// How bad it is.
+/// Severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// The measurement is in danger.
+    /// The measurement is at risk.
     Bad,
-    /// Something to do or to know.
+    /// An action or information for the user.
     Note,
-    /// As it should be.
+    /// No problem.
     Good,
 }
 
-/// The line.
+/// A verdict.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verdict {
-    /// How bad it is.
+    /// Severity.
     pub level: Level,
-    /// For a person.
+    /// Text for the user.
     pub text: String,
 }
 
-/// A board that is asked every few seconds and says nothing for this long is off.
+/// Time without a line after which the board counts as off; it is polled every few seconds.
 pub const SILENCE: Duration = Duration::from_secs(8);
-/// Samples come 16 times a second while a test runs.
+/// Time without a sample in a test that is a fault; samples come 16 times a second.
 const NO_SAMPLES: Duration = Duration::from_secs(3);
-/// What happened once stays to be read for this long.
+/// Time for which a past event stays visible.
 const READING_TIME: Duration = Duration::from_secs(15);
-/// Samples of the last seconds, for what happened in them.
+/// Number of samples that count as recent.
 const LATELY: usize = 80;
 
-/// The worst that is so now.
+/// The most severe current verdict.
 #[must_use]
 pub fn verdict(state: &State, now: Duration) -> Verdict {
     let bad = |text| Verdict { level: Level::Bad, text };
@@ -60,7 +60,7 @@ fn within(at: Option<Duration>, time: Duration, now: Duration) -> bool {
     at.is_some_and(|at| now.saturating_sub(at) < time)
 }
 
-/// The line to the board.
+/// Problems of the connection to the board.
 fn line(state: &State, now: Duration) -> Option<String> {
     if let Some(reason) = &state.away {
         return Some(format!("NO PORT ({reason}): check cable and power; trying again"));
@@ -75,7 +75,7 @@ fn line(state: &State, now: Duration) -> Option<String> {
     None
 }
 
-/// The load cell and its converter.
+/// Problems of the load cell and its converter.
 fn force(state: &State, now: Duration) -> Option<String> {
     if state.testing == Some(true) && !within(state.sampled, NO_SAMPLES, now) {
         return state.sampled.map(|_| "NO SAMPLES come any more (live off?)".to_string());
@@ -101,7 +101,7 @@ fn force(state: &State, now: Duration) -> Option<String> {
     }
 }
 
-/// Whether samples get lost on the board or on the card.
+/// Loss of samples on the board or on the card.
 fn keeping(state: &State, now: Duration) -> Option<String> {
     let health = state.health.as_ref()?;
     if within(state.lost, READING_TIME, now) {
@@ -119,7 +119,7 @@ fn said(words: Option<&(String, Duration)>, now: Duration) -> Option<String> {
     within(Some(*at), READING_TIME, now).then(|| format!("the board says: {text}"))
 }
 
-/// What happened in the last seconds and is over.
+/// Problems of the last seconds that are over.
 fn incident(state: &State, now: Duration) -> Option<String> {
     if within(state.flood, READING_TIME, now) {
         let dropped = state.dropped;
@@ -152,7 +152,7 @@ fn incident(state: &State, now: Duration) -> Option<String> {
     (!parts.is_empty()).then(|| format!("in the last 5 s: samples {}", parts.join(", ")))
 }
 
-/// The block on the tripod.
+/// State of a weighing.
 fn weighing(state: &State, now: Duration) -> Option<String> {
     let (weighed, _) = state.weighed.filter(|_| is_weighing(state, now))?;
     Some(match weighed.load {
@@ -173,7 +173,7 @@ fn to_do(state: &State) -> Option<String> {
     })
 }
 
-/// The zero of the load cell.
+/// Drift of the load cell's zero.
 fn zero(state: &State) -> Option<String> {
     state.report.and_then(|report| report.zero_n).map(|zero_n| zero_sentence(zero_n.into()))
 }

@@ -1,4 +1,4 @@
-//! Comments above the rows of a text table: names in them, or all there is.
+//! Comments above the rows of a text table: comments with column names, and files of comments only.
 
 use crate::error::InputError;
 
@@ -9,7 +9,7 @@ use super::label::{Label, is_unit_cell};
 use super::lines::{MAX_LINE, too_long};
 use super::number::{count_up, finite};
 
-/// Names in the comment right above the rows, as numpy and MATLAB's users write them.
+/// Column names in the comment directly above the rows, as written by numpy and MATLAB users.
 pub fn commented_names(
     lines: &[Content<'_>],
     first_row: u64,
@@ -22,7 +22,7 @@ pub fn commented_names(
     (names.len() == width && are_known(&names)).then_some((*number, names))
 }
 
-/// A unit in brackets belongs to the name before it, where blanks cut them apart.
+/// Joins units in brackets with the preceding name if blanks have separated them.
 #[must_use]
 pub fn with_units(cells: Vec<String>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
@@ -35,10 +35,10 @@ pub fn with_units(cells: Vec<String>) -> Vec<String> {
     names
 }
 
-/// Refuses a beginning of a log that holds no rows, where it can be said why.
+/// Rejects a beginning of a log without rows, if the reason is known.
 ///
 /// # Errors
-/// The rows are comments, or all of it is, or one line.
+/// The rows are comments, or the text is all comments or a single line.
 pub fn refuse_no_table(
     head: &[u8],
     end: u8,
@@ -64,7 +64,7 @@ pub fn refuse_no_table(
     })
 }
 
-/// Refuses lines that are in quotes as a whole.
+/// Rejects lines that are quoted as a whole.
 fn refuse_quoted_lines(lines: &[Content<'_>]) -> Result<(), InputError> {
     let is_one_cell = |line: &[u8]| match line.trim_ascii() {
         [b'"', inside @ .., b'"'] => {
@@ -82,10 +82,10 @@ fn refuse_quoted_lines(lines: &[Content<'_>]) -> Result<(), InputError> {
     }
 }
 
-/// Refuses lines that end with LF among many that end with CR.
+/// Rejects lines that end with LF among many that end with CR.
 ///
 /// # Errors
-/// Names the first line that holds others.
+/// Names the first line that contains others.
 pub fn refuse_mixed_ends(lines: &[Content<'_>]) -> Result<(), InputError> {
     let holds = |line: &[u8]| line.trim_ascii().iter().filter(|&&byte| byte == b'\r').count() > 1;
     match lines.iter().find(|(_, line)| holds(line)) {
@@ -96,10 +96,10 @@ pub fn refuse_mixed_ends(lines: &[Content<'_>]) -> Result<(), InputError> {
     }
 }
 
-/// Refuses a row right above the values that is not understood, where names are above it.
+/// Rejects an unreadable row directly above the values if names are above it.
 ///
 /// # Errors
-/// Names both lines. `above` gives the lines from the first row upward.
+/// Names both lines. `above` returns the lines from the first row upward.
 pub fn refuse_unknown_row(
     above: impl Fn(usize) -> Option<(u64, Vec<String>)>,
     width: usize,
@@ -120,15 +120,15 @@ pub fn refuse_unknown_row(
     }
 }
 
-/// Whether names say which column is the time and which the force.
+/// Whether names identify the columns of time and force.
 #[must_use]
 pub fn are_named(names: &[String]) -> bool {
     let labels: Vec<Label> = names.iter().map(|name| Label::new(name)).collect();
     labels.iter().any(Label::is_time) && labels.iter().any(Label::is_force)
 }
 
-/// Refuses rows below names that say neither time nor force, where a later line says both: the log
-/// may begin there.
+/// Rejects rows below names without time or force if a later line names both, since the log may
+/// begin there.
 ///
 /// # Errors
 /// Names that line.
@@ -151,13 +151,13 @@ pub fn refuse_later_names(header: &Header, content: &[Content<'_>]) -> Result<()
     }
 }
 
-/// Refuses lines of which none is a row, below names that say nothing.
+/// Rejects lines without any row below unknown names.
 ///
 /// # Errors
 /// Names the first line.
 pub fn refuse_no_rows(header: &Header, lines: usize) -> Result<(), InputError> {
     match &header.names {
-        // A line alone may be too long.
+        // A single line may be too long for this message.
         Some((number, names)) if lines > 1 && !are_known(names) => Err(InputError::new(format!(
             "line {number}: no rows of numbers are found from here on: write time and force into each, \
              such as 0.0625,12.5; or is the separator another? (--delimiter)"
@@ -166,8 +166,8 @@ pub fn refuse_no_rows(header: &Header, lines: usize) -> Result<(), InputError> {
     }
 }
 
-/// Whether rows have a number in front that has no name, as R and pandas write them: it counts them,
-/// and the time is where it would be behind it.
+/// Whether rows begin with a number without a name, as written by R and pandas: it counts the rows,
+/// and the time follows it.
 #[must_use]
 pub fn are_behind_numbers(names: &[String], rows: &[Vec<String>]) -> bool {
     let column = |at: usize| -> Vec<f64> {
@@ -182,7 +182,7 @@ pub fn are_behind_numbers(names: &[String], rows: &[Vec<String>]) -> bool {
         && column(time + 1).windows(2).all(|w| w.first() < w.last())
 }
 
-/// Refuses names that go on over several lines, in quotes.
+/// Rejects quoted names that extend over several lines.
 ///
 /// # Errors
 /// The line above the first row ends a quote that it does not begin.
@@ -197,10 +197,10 @@ pub fn refuse_broken_names(content: &[Content<'_>], first: usize) -> Result<(), 
     }
 }
 
-/// Less than a head ends with a line that was not looked at.
+/// Length by which a head may be shorter than the longest line if its last line was cut off.
 const LONGEST_END: usize = 4096;
 
-/// Line and mark of the first comment of several that are rows.
+/// Line number and mark of the first of several comments that are rows.
 fn commented_rows(lines: &[Content<'_>]) -> Option<(u64, char)> {
     let is_row = |line: &[u8]| {
         comment(line).is_some_and(|text| SEPARATORS.iter().any(|&cut| are_values(text, cut)))

@@ -1,12 +1,13 @@
-//! Stamps whose last digit is nearly the period: 103 samples a second with two decimals, or 98.
+//! Stamps whose last digit is close to the sampling period: 103 or 98 samples a second with two
+//! decimals.
 
 use super::fine::digit_s;
 use super::rows::Row;
 use super::timing::{Shared, Timing, median};
 
-/// The timing of stamps that go up by their last digit, of which one stands twice with another
-/// reading now and then, or is left out, evenly: what happens by mistake is not so even. `None` for
-/// all others, and for a given rate that is not theirs.
+/// The timing of stamps that advance by their last digit and regularly repeat or skip one, with
+/// different readings. Mistakes are not so regular. `None` for all other stamps, and for a given
+/// rate that does not agree with them.
 #[allow(clippy::float_cmp)] // a stamp that is repeated is repeated exactly
 pub(super) fn beating(
     rows: &[Row],
@@ -34,25 +35,25 @@ pub(super) fn beating(
     is_own.then_some(Timing { rate_hz, start_s: starts_s / rows as f64, shared })
 }
 
-/// Where two that follow each other are such.
+/// Indices at which two consecutive rows satisfy a condition.
 fn places(rows: &[Row], is_such: impl Fn(&Row, &Row) -> bool) -> Vec<usize> {
     let such = |w: &[Row]| matches!(w, [a, b] if is_such(a, b));
     rows.windows(2).enumerate().filter(|(_, w)| such(w)).map(|(at, _)| at).collect()
 }
 
-/// What lies between places that are about equally far apart.
+/// Rows between places at nearly equal distances, and the resulting rate.
 struct Beat {
     rows: usize,
     rate_hz: f64,
 }
 
 impl Beat {
-    /// Where a sample is lost between two places it is one of the others.
+    /// A span with one of `others` has lost a sample and is not used.
     fn of(places: &[usize], others: &[usize], times: &[f64]) -> Option<Self> {
-        /// Places that show it, and rows between them.
+        /// Fewest places, and fewest rows between them.
         const ENOUGH: usize = 9;
         const FEWEST: f64 = 20.0;
-        /// Share of the usual distance within which the others are.
+        /// Largest relative deviation from the usual distance.
         const SAME: f64 = 0.1;
         let spans = places.windows(2).filter_map(|w| {
             let (first, last) = (*w.first()?, *w.last()?);
@@ -65,7 +66,7 @@ impl Beat {
         let are_even = places.len() >= ENOUGH && 4 * even.len() >= 3 * (places.len() - 1);
         let (rows, span_s) = even.iter().fold((0.0, 0.0), |sum, it| (sum.0 + it.0, sum.1 + it.1));
         let rate_hz: f64 = rows / span_s;
-        // A row at either end is left open.
+        // The number of rows is uncertain by one at either end.
         let is_whole = (rate_hz / rate_hz.round() - 1.0).abs() < 2.0 / (usual * rows);
         let rate_hz = if is_whole { rate_hz.round() } else { rate_hz };
         (are_even && usual >= FEWEST).then_some(Self { rows: usual as usize, rate_hz })

@@ -1,23 +1,23 @@
-//! A line cut into its cells.
+//! Splits a line into cells.
 
 use memchr::memchr2_iter;
 
-/// Where the cells of one line begin and end; reused from line to line.
+/// Bounds of the cells of one line, reused from line to line.
 ///
-/// Quoting as in RFC 4180: a cell in double quotes may hold the separator. A
-/// quoted line break is not taken; no logger writes one.
+/// Quoting follows RFC 4180: a cell in double quotes may contain the separator. Quoted line breaks
+/// are not supported, because no logger writes them.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
     bounds: Vec<(usize, usize)>,
 }
 
-/// A cell as text; nothing if it is none.
+/// A cell as text; empty if it is not valid text.
 pub fn text(cell: &[u8]) -> &str {
     std::str::from_utf8(cell).unwrap_or_default()
 }
 
 impl Cells {
-    /// Cuts a line; false if a quote is left open. Blanks separate as one.
+    /// Splits a line; `false` if a quote stays open. Several blanks count as one separator.
     pub fn cut(&mut self, line: &[u8], separator: u8) -> bool {
         self.bounds.clear();
         if separator == b' ' {
@@ -54,7 +54,7 @@ impl Cells {
         let mut quoted = false;
         for (at, &byte) in line.iter().enumerate() {
             if byte == b'"' {
-                // A doubled quote inside a cell switches twice: no special case.
+                // A doubled quote inside a cell switches twice, which needs no special case.
                 quoted = !quoted;
             } else if byte == separator && !quoted {
                 self.bounds.push((start, at));
@@ -65,26 +65,26 @@ impl Cells {
         !quoted
     }
 
-    /// How many cells the line has.
+    /// Number of cells in the line.
     #[must_use]
     pub fn len(&self) -> usize {
         self.bounds.len()
     }
 
-    /// Whether nothing was cut yet.
+    /// Whether no line was split yet.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.bounds.is_empty()
     }
 
-    /// A cell of the line last cut, from 0, without blanks and quotes around it.
+    /// A cell of the last line, from 0, without surrounding blanks and quotes.
     #[must_use]
     pub fn get<'a>(&self, line: &'a [u8], index: usize) -> Option<&'a [u8]> {
         let &(start, end) = self.bounds.get(index)?;
         Some(unquoted(line.get(start..end)?))
     }
 
-    /// The same as text, empty where there is none; two quotes in it stand for one.
+    /// A cell as text, empty if missing; doubled quotes become one.
     #[must_use]
     pub fn text(&self, line: &[u8], index: usize) -> String {
         let cell = self.get(line, index).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Several channels below each other, each with the time again: `time_s,channel,force_n`.
+//! Several channels in consecutive rows, each with the same time: `time_s,channel,force_n`.
 
 use crate::error::InputError;
 
@@ -10,14 +10,14 @@ use super::layout::TimeCells;
 use super::number::finite;
 use super::timing::median;
 
-/// Times that have to stand equally often.
+/// Smallest number of times with equally many rows.
 const TIMES: usize = 4;
-/// More numbers of the same time are rather those of its samples than of channels.
+/// Rows per time above which numbers are taken for samples instead of channels.
 const MOST: usize = 8;
 
 impl Columns<'_> {
-    /// Refuses rows that say each time once for every channel, which another column names or the
-    /// forces show.
+    /// Rejects rows that repeat each time for every channel, if another column names the channels
+    /// or the forces show them.
     ///
     /// # Errors
     /// Names that column.
@@ -37,7 +37,7 @@ impl Columns<'_> {
             |row: &Vec<String>| (date.and_then(|at| row.get(at)).cloned(), row.get(clock).cloned());
         let mut groups: Vec<&[Vec<String>]> =
             self.header.rows.chunk_by(|a, b| stamp(a) == stamp(b)).collect();
-        // The last one may go on.
+        // The last group may be incomplete.
         groups.pop();
         let times = groups.first().map_or(0, |group| group.len());
         if times < 2 || groups.len() < TIMES || groups.iter().any(|group| group.len() != times) {
@@ -59,8 +59,8 @@ impl Columns<'_> {
         Err(InputError::new(format!("each time stands {times} times, and {why}")))
     }
 
-    /// Refuses rows of two sensors, one below the other: numbers stand in another column where, and only
-    /// where, there is no force.
+    /// Rejects rows of two sensors in alternation: another column has numbers exactly where the
+    /// force is missing.
     fn refuse_other_rows(&self, force: usize) -> Result<(), InputError> {
         let holds = |row: &Vec<String>, at: usize| {
             row.get(at).is_some_and(|cell| finite(cell.as_bytes()).is_some())
@@ -80,8 +80,8 @@ impl Columns<'_> {
         }
     }
 
-    /// Refuses rows in which a column of words goes round, where it is called one of channels or the
-    /// forces go to and fro with it: each channel has times of its own.
+    /// Rejects rows with a cyclic column of words, if its name is one of channels or the forces
+    /// alternate with it, and each channel has its own times.
     fn refuse_rounds(&self, force: usize, options: &LogOptions) -> Result<(), InputError> {
         let channels = |at: usize| {
             let words = self.goes_round(at)?;
@@ -105,7 +105,7 @@ impl Columns<'_> {
         name.split(|letter: char| !letter.is_alphanumeric()).any(|word| NAMES.contains(&word))
     }
 
-    /// The number of words that come again and again, in the same order.
+    /// Number of words in a cycle that repeats in the same order.
     fn goes_round(&self, column: usize) -> Option<usize> {
         let cells: Vec<&str> = self.cells(column).collect();
         let (first, others) = cells.split_first()?;
@@ -127,7 +127,7 @@ impl Columns<'_> {
     }
 }
 
-/// Whether a column says the same of every time, and another thing in each of its rows.
+/// Whether a column has equal values for every time, and different ones in the rows of a time.
 fn names_channels(groups: &[&[Vec<String>]], column: usize) -> bool {
     let cells = |group: &[Vec<String>]| {
         let cells: Vec<Option<String>> = group.iter().map(|row| row.get(column).cloned()).collect();
@@ -143,10 +143,11 @@ fn names_channels(groups: &[&[Vec<String>]], column: usize) -> bool {
         && groups.iter().all(|group| cells(group) == first)
 }
 
-/// Whether a force goes up, or down, between the same rows of every time, by far more than from time
-/// to time: it is that of one channel in one row and of another in the next.
+/// Whether the force changes in the same direction between the same rows of every time, and far
+/// more than from time to time, because the rows belong to different channels.
 fn are_of_channels(groups: &[&[Vec<String>]], column: usize) -> bool {
-    /// As noise alone never does over so many times; tuned: a force that rises has a half.
+    /// Ratio of both changes that noise never reaches over this many times; tuned: a rising force
+    /// has 0.5.
     const FAR: f64 = 4.0;
     let force = |row: &Vec<String>| finite(row.get(column)?.as_bytes());
     let first = |group: &&[Vec<String>]| force(group.first()?);

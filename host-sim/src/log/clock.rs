@@ -1,52 +1,51 @@
-//! From time stamps to sample indices.
+//! Assigns sample indices to time stamps.
 
 use floe_core::RawSample;
 
 use super::timing::{Shared, Timing};
 use crate::rounding::{counted, significant};
 
-/// A stamp this far from its sample, in periods, is told to the user.
+/// Distance of a stamp from its sample, in periods, from which it is reported.
 const MISFIT: f64 = 0.25;
-/// Samples over which the phase of fine stamps is averaged. Long enough that
-/// jitter of half a period stays harmless, short enough to follow a clock that
-/// is off by 1e-4.
+/// Number of samples over which the phase of fine stamps is averaged: enough to make jitter of half
+/// a period harmless, few enough to follow a clock that is wrong by 1e-4.
 const PHASE_SAMPLES: f64 = 1024.0;
-/// After a longer gap, in periods, the phase is taken anew: the logger may have
-/// been started again.
+/// Gap, in periods, after which the phase is determined again, because the logger may have been
+/// restarted.
 const LONG_GAP: f64 = 256.0;
 
-/// Gives every row its index.
+/// Assigns an index to every row.
 ///
-/// Fine stamps: the nearest index, on a grid whose phase follows the mean of the
-/// stamps, so that neither jitter within half a period nor a clock that is
-/// slightly off makes gaps or duplicates. Shared stamps: the next index, unless
-/// this stamp and the following ones agree that samples are missing or too many.
+/// For fine stamps it is the nearest index on a grid whose phase follows the mean of the stamps, so
+/// that jitter below half a period, or a slightly wrong clock, causes no gaps or duplicates. For
+/// shared stamps it is the next index, unless this stamp and the following ones agree that samples
+/// are missing or extra.
 #[derive(Clone, Debug)]
 pub struct Clock {
     timing: Timing,
     period_s: f64,
-    /// Index of the last sample plus one.
+    /// Index after that of the last sample.
     next: u64,
-    /// Time of the last sample, s from the first one on: small, so that adding periods to it stays
+    /// Time of the last sample, s after the first: a small number, so that adding periods stays
     /// exact.
     time_s: f64,
-    /// Samples in the mean that gives the phase.
+    /// Number of samples in the mean phase.
     averaged: f64,
     misfits: u64,
-    /// Rows whose sample another row has, rows behind a short gap, and all rows.
+    /// Rows whose index is taken, rows after a short gap, and all rows.
     dropped: u64,
     gaps: u64,
     rows: u64,
-    /// Gaps that count as [`Clock::FARTHEST`].
+    /// Number of gaps shortened to [`Clock::FARTHEST`].
     far: u64,
 }
 
 impl Clock {
-    /// A longer gap, in periods, counts as one of this length (half a year at 16 Hz): mostly the
-    /// clock was set anew, and an index has 31 bits. The times are the log's own.
+    /// Largest gap, in periods (half a year at 16 Hz). A longer one counts as this, since usually
+    /// the clock was set, and an index has 31 bits. Times are not changed.
     pub const FARTHEST: u64 = 1 << 28;
 
-    /// Starts before the first sample.
+    /// State before the first sample.
     #[must_use]
     pub fn new(timing: Timing) -> Self {
         let period_s = timing.rate_hz.recip();
@@ -66,8 +65,8 @@ impl Clock {
     }
 
     /// Index and time of the row with this stamp; `None` beyond [`RawSample::LAST_INDEX`].
-    /// `records`: rows since the one before, by the log's own numbers. `ahead`: the stamps that
-    /// follow it, used (up to [`Self::lookahead`]) when stamps are shared.
+    /// `records`: rows since the previous one, by the log's own numbers. `ahead`: the following
+    /// stamps (up to [`Self::lookahead`]), used for shared stamps.
     pub fn place(
         &mut self,
         stamp_s: f64,
@@ -90,7 +89,7 @@ impl Clock {
         (index <= RawSample::LAST_INDEX).then_some((index, start_s + self.time_s))
     }
 
-    /// How many stamps beyond a row are needed.
+    /// Number of stamps needed after a row.
     #[must_use]
     pub fn lookahead(&self) -> usize {
         const GROUPS: f64 = 8.0;
@@ -99,19 +98,19 @@ impl Clock {
         self.timing.shared.map_or(0, |shared| rows(shared.step) as usize)
     }
 
-    /// How samples and stamps go together.
+    /// Relation of samples and stamps.
     #[must_use]
     pub fn timing(&self) -> &Timing {
         &self.timing
     }
 
-    /// Stamps that were not where their sample should be.
+    /// Number of stamps far from their samples.
     #[must_use]
     pub fn misfits(&self) -> u64 {
         self.misfits
     }
 
-    /// What to say of the stamps.
+    /// Warnings about the stamps.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         let rate_hz = significant(self.timing.rate_hz);
         let misfits = (self.misfits > 0).then(|| {
@@ -135,8 +134,7 @@ impl Clock {
         [misfits, uneven, far].into_iter().flatten()
     }
 
-    /// Whether so many rows are dropped and missing beside each other that the rate, or the stamps,
-    /// must be wrong.
+    /// Whether rows are dropped and missing so often that the rate or the stamps must be wrong.
     fn is_uneven(&self) -> bool {
         const FEW: u64 = 8;
         self.dropped.min(self.gaps) > FEW.max(self.rows / 200)
@@ -144,13 +142,13 @@ impl Clock {
 
     fn fine_steps(&mut self, stamp_s: f64, records: f64) -> u64 {
         let elapsed = (stamp_s - self.time_s) * self.timing.rate_hz;
-        // A jump in the numbers is a gap even where the stamps hide it.
+        // A jump of the record numbers is a gap even if the stamps hide it.
         let least = if records > 1.0 { records } else { 0.0 };
         let regular = (elapsed - 1.0).abs() < 0.5 && least < 1.0;
         let steps = if regular { 1.0 } else { elapsed.round().max(least) };
         let off = elapsed - steps;
         self.misfits += u64::from(off.abs() > MISFIT);
-        // Stamps that run on beside a jump in the numbers go on from where they are.
+        // Stamps that continue across a jump of the numbers continue from their position.
         let run_on = least > 0.0 && off < MISFIT - 1.0;
         let is_anew = steps > LONG_GAP || run_on;
         let share = if is_anew { self.begin_phase() } else { self.phase_share() };
@@ -158,7 +156,7 @@ impl Clock {
         steps as u64
     }
 
-    /// Weight of a stamp in the mean phase: all of it for the first.
+    /// Starts the mean phase: the first stamp has the full weight.
     fn begin_phase(&mut self) -> f64 {
         self.averaged = 1.0;
         1.0
@@ -188,7 +186,7 @@ impl Clock {
             let next = |stamp, k| off(stamp, records + k);
             let ahead = ahead.take(self.lookahead().saturating_sub(1));
             let mean = mean_offset((own, stamp_s), (shared.step, gap_s), next, ahead);
-            // Where no whole group follows: by how much it is off the edge of its own.
+            // Without a complete group: distance from the edge of the stamp's own group.
             let shift = mean.unwrap_or_else(|| own - (shared.step / 2.0 - MISFIT).copysign(own));
             self.misfits += u64::from(shift.abs() < 0.5);
             steps = (records + shift.round()).max(0.0);
@@ -198,8 +196,8 @@ impl Clock {
     }
 }
 
-/// Mean offset of a row and those after it, over whole groups up to the next visible gap: over a
-/// part of one it is that of the saw that stamps make beside samples. `None` without a whole one.
+/// Mean offset of a row and the following ones, over complete groups up to the next visible gap. A
+/// part of a group would give the offset of a sawtooth. `None` without a complete group.
 fn mean_offset(
     (own, stamp_s): (f64, f64),
     (step, gap_s): (f64, f64),
@@ -240,7 +238,7 @@ mod tests {
         indices(Timing { rate_hz: 16.0, start_s: 0.0, shared: None }, stamps)
     }
 
-    /// Two scans a stamp, as a CR10 writes them; scans in eighths of a second.
+    /// Two scans per stamp, as a CR10 writes them; scans in eighths of a second.
     fn cr10(eighths: &[u32]) -> (Vec<u32>, u64) {
         let shared = Some(Shared { step: 2.0, centre: -0.5 });
         let stamps: Vec<f64> = eighths.iter().map(|&n| f64::from(n) * 0.125).collect();
@@ -281,7 +279,7 @@ mod tests {
         let none = std::iter::empty::<f64>;
         let mut place = |stamp_s, records| clock.place(stamp_s, records, none()).unwrap().0;
         assert_eq!((place(0.0, 1), place(0.0625, 3)), (0, 3));
-        // Whatever the stamps say, no row behind it is lost.
+        // With arbitrary stamps no row after it is lost.
         for row in 4..900_u32 {
             assert_eq!(place(f64::from(row - 2) / 16.0, 1), row);
         }

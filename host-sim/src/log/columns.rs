@@ -1,4 +1,4 @@
-//! The columns of a text table: what their names, units and first cells say.
+//! Columns of a text table, described by names, units and first cells.
 
 use crate::error::{InputError, excerpt};
 
@@ -10,10 +10,10 @@ use super::metadata::Said;
 use super::number::{Decimal, Unit, finite, is_thousand, number, thousand};
 use super::said_unit::{assumed, commented};
 
-/// Names that are taken before any other, in this order.
+/// Names that take precedence, in this order.
 const FORCE_COLUMNS: [&str; 2] = ["force_n", "force_kn"];
 
-/// The columns of a table by their labels.
+/// The columns of a table with their labels.
 #[derive(Debug)]
 pub struct Columns<'a> {
     pub(super) header: &'a Header,
@@ -22,7 +22,7 @@ pub struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    /// Labels the names of a header.
+    /// Parses the names in a header.
     #[must_use]
     pub fn new(header: &'a Header) -> Self {
         let names = header.names.as_ref().map_or_else(Vec::new, |(_, names)| names.clone());
@@ -30,7 +30,7 @@ impl<'a> Columns<'a> {
         Self { header, names, labels }
     }
 
-    /// What the names say.
+    /// The parsed names.
     #[must_use]
     pub fn labels(&self) -> &[Label] {
         &self.labels
@@ -59,7 +59,7 @@ impl<'a> Columns<'a> {
         Some(bare_unit(units.get(column)?)).filter(|unit| !unit.is_empty() && *unit != "-")
     }
 
-    /// The units that name and units row state.
+    /// The units stated by name and units row.
     pub(super) fn stated(&self, column: usize) -> impl Iterator<Item = &str> {
         let in_name = self.labels.get(column).and_then(|label| label.unit.as_deref());
         in_name.into_iter().chain(self.unit_below(column))
@@ -68,7 +68,7 @@ impl<'a> Columns<'a> {
     /// The force column.
     ///
     /// # Errors
-    /// It is not there, or one of several.
+    /// There is none, or there are several.
     pub fn force(&self, options: &LogOptions, time: Option<usize>) -> Result<usize, InputError> {
         if let Some(name) = &options.column {
             return self.header.column(name, "--column");
@@ -96,7 +96,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Of some columns those that a unit makes a force.
+    /// The columns among `columns` that have a unit of force.
     fn in_units(&self, columns: &[usize]) -> Vec<usize> {
         let unit = |i| self.stated_force(i).or_else(|| self.force_unit_behind(i));
         let found: Vec<usize> = columns.iter().copied().filter(|&i| unit(i).is_some()).collect();
@@ -106,7 +106,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// The error for several columns that may be the force.
+    /// The error for several possible force columns.
     fn which(&self, places: &[usize]) -> InputError {
         let name = |place: &usize| self.names.get(*place);
         let twice = places.iter().any(|a| places.iter().any(|b| a != b && name(a) == name(b)));
@@ -116,7 +116,7 @@ impl<'a> Columns<'a> {
         InputError::new(format!("which column is the force? give {by}; {}", there_are(&self.names)))
     }
 
-    /// The unit of the force, and a note if it is assumed. `said`: what a comment says of it.
+    /// The unit of the force, and a note if it is assumed. `said`: the unit in a comment.
     ///
     /// # Errors
     /// Units that contradict each other, or one that is not of force.
@@ -147,7 +147,7 @@ impl<'a> Columns<'a> {
         })?
     }
 
-    /// Refuses numbers that have a mark where, and only where, they have thousands.
+    /// Rejects numbers with a mark exactly where thousands are separated.
     fn refuse_thousands(&self, column: usize) -> Result<(), InputError> {
         let marked = |cell: &&str| cell.contains(['.', ',']);
         let cells = || self.header.cells(column).filter(|cell| finite(cell.as_bytes()).is_some());
@@ -161,10 +161,10 @@ impl<'a> Columns<'a> {
         Err(thousand(first))
     }
 
-    /// The decimal mark: as given, or the only one that the first rows show.
+    /// The decimal mark: as given, or the only one in the first rows.
     ///
     /// # Errors
-    /// They show both.
+    /// The rows contain both.
     pub fn decimal(
         &self,
         force: usize,
@@ -196,7 +196,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Refuses a decimal mark that the first number with one contradicts.
+    /// Rejects a decimal mark that the first number with a mark contradicts.
     fn refuse_other_mark(
         &self,
         given: Decimal,

@@ -1,9 +1,9 @@
-//! Lines that are no rows.
+//! Lines that are not rows.
 
 use super::number::is_missing;
 
-/// The text of a comment: behind `#`, or `%` as MATLAB has it, also where a spreadsheet has put
-/// the whole of it in quotes. A row may begin with `#N/A`.
+/// The text of a comment: after `#`, or `%` as in MATLAB, also if a spreadsheet has quoted the
+/// whole line. A row may begin with `#N/A`.
 #[must_use]
 pub fn comment(line: &[u8]) -> Option<&[u8]> {
     let first_cell = |line: &[u8]| {
@@ -23,7 +23,7 @@ pub fn comment(line: &[u8]) -> Option<&[u8]> {
     }
 }
 
-/// A line that only rules a table off: `|---|---|`, `--------+--------`.
+/// Whether a line is only a ruler of a table: `|---|---|`, `--------+--------`.
 #[must_use]
 pub fn is_ruler(line: &[u8]) -> bool {
     let rules = |w: &[u8]| w == b"--" || w == b"==";

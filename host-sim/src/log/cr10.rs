@@ -1,7 +1,7 @@
-//! CR10 mixed arrays: no header, rows of different arrays one after the other.
+//! CR10 mixed arrays: no header, rows of different arrays in sequence.
 //!
-//! A row is `id, year, day, hhmm[, seconds], values...`. The rows of one array
-//! are the log; the others are skipped.
+//! A row is `id, year, day, hhmm[, seconds], values...`. The rows of one array are the log; all
+//! others are skipped.
 
 use std::collections::BTreeMap;
 
@@ -13,23 +13,22 @@ use super::comment::comment;
 use super::layout::{Layout, TimeCells, cr10_time};
 use super::number::{Decimal, Unit, finite};
 
-/// The logger's clock resolves an eighth of a second.
+/// Resolution of the logger's clock: an eighth of a second.
 const RESOLUTION_S: f64 = 0.125;
 const SECONDS: usize = 4;
 
-/// What the rows of one array look like at the beginning of the log.
+/// Properties of an array's rows at the beginning of the log.
 #[derive(Clone, Copy, Debug)]
 struct Array {
-    /// Cells in its first row.
+    /// Number of cells in the first row.
     width: usize,
-    /// Cell 4 holds seconds in every row.
+    /// Whether cell 4 contains seconds in every row.
     seconds: bool,
-    /// Rows seen.
+    /// Number of rows.
     rows: usize,
 }
 
-/// Whether a line looks like a row: numbers that begin with an array number and
-/// a time stamp.
+/// Whether a line looks like a row: numbers that begin with an array number and a time stamp.
 #[must_use]
 pub fn is_row(line: &[u8]) -> bool {
     let mut cells = Cells::default();
@@ -40,8 +39,8 @@ pub fn is_row(line: &[u8]) -> bool {
 
 /// Chooses array and column from the beginning of the log and the options.
 ///
-/// Without `--array-id`: the only array, or the only one with seconds. Without
-/// `--column`: the cell behind the time stamp.
+/// Without `--array-id`: the only array, or the only one with seconds. Without `--column`: the cell
+/// after the time stamp.
 ///
 /// # Errors
 /// A choice that the log does not offer, or one that only the user can make.
@@ -71,8 +70,8 @@ pub fn layout(head: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
     })
 }
 
-/// The arrays in `head`, whose last line may be cut off and then counts only
-/// if nothing else is known of its array.
+/// The arrays in `head`; the last line may be cut off, and counts only if its array is unknown
+/// otherwise.
 fn arrays(head: &[u8]) -> BTreeMap<u32, Array> {
     let mut arrays = BTreeMap::new();
     let mut cells = Cells::default();
@@ -120,7 +119,7 @@ fn choose(arrays: &BTreeMap<u32, Array>, wanted: Option<u32>) -> Result<u32, Inp
         return arrays.contains_key(&id).then_some(id).ok_or_else(missing);
     }
     let only = |mut ids: Vec<u32>| if ids.len() == 1 { ids.pop() } else { None };
-    // One row alone may look like it by chance.
+    // A single row may look like it by chance.
     let timed = |array: &Array| array.seconds && array.rows > 1;
     let with_seconds = arrays.iter().filter(|(_, array)| timed(array)).map(|(&id, _)| id);
     only(arrays.keys().copied().collect()).or_else(|| only(with_seconds.collect())).ok_or_else(

@@ -1,4 +1,4 @@
-//! Text tables: which column is the time, which the force, and in what units.
+//! Text tables: columns of time and force, and their units.
 
 use crate::error::{InputError, excerpt};
 
@@ -10,16 +10,15 @@ use super::metadata::Metadata;
 use super::number::Unit;
 use super::stamp::TimeUnit;
 
-/// A layout, and what was assumed to find it.
+/// A layout, and the assumptions made to find it.
 pub type Found = (Layout, Vec<String>);
 
 /// Finds the columns below a header.
 ///
-/// `metadata` is what comments above the rows say: without a rate, rows need a time.
+/// `metadata` is from comments above the rows: without a rate, rows need a time.
 ///
 /// # Errors
-/// A column that is not there or not to be told from another, units that contradict
-/// each other.
+/// A column that is missing or ambiguous, units that contradict each other.
 pub fn layout(
     header: &Header,
     options: &LogOptions,
@@ -70,10 +69,10 @@ pub fn layout(
     Ok((layout, notes))
 }
 
-/// One unit out of those that a column states and the one that is given.
+/// The unit of force from those that a column states and the given one.
 ///
 /// # Errors
-/// They contradict each other.
+/// The units contradict each other.
 pub fn agreed(
     name: &str,
     stated: &[Unit],
@@ -82,10 +81,10 @@ pub fn agreed(
     one_of(name, stated, given, Unit::name, "--unit")
 }
 
-/// As [`agreed`], for a time.
+/// The unit of time from those that a column states and the given one.
 ///
 /// # Errors
-/// They contradict each other.
+/// The units contradict each other.
 pub fn agreed_time(
     name: &str,
     stated: &[TimeUnit],
@@ -120,7 +119,7 @@ fn one_of<T: Copy + PartialEq>(
     }
 }
 
-/// Place of a column: by its exact name, else whatever the case.
+/// Index of a column by its exact name, or else ignoring case.
 ///
 /// # Errors
 /// Two columns have the name.
@@ -144,10 +143,10 @@ pub fn find(names: &[String], name: &str, option: &str) -> Result<Option<usize>,
     }
 }
 
-/// The place of a column of so many by its name, or by its number from 1.
+/// Index of a column by its name, or by its number from 1.
 ///
 /// # Errors
-/// No such column, or several of the name.
+/// No column or several columns have the name.
 pub fn column(
     names: &[String],
     width: usize,
@@ -167,7 +166,7 @@ pub fn column(
     }
 }
 
-/// The columns there are, for a message.
+/// The existing columns, for a message.
 #[must_use]
 pub fn there_are(names: &[String]) -> String {
     const MOST: usize = 60;

@@ -1,16 +1,16 @@
-//! The rate of samples that have a stamp each.
+//! The rate of samples with individual stamps.
 
 use super::timing::{Timing, median};
 
-/// Samples and passes for the straight line through the first stamps.
+/// Number of samples and passes for the line through the first stamps.
 const PHASE_SAMPLES: usize = 256;
 const PASSES: usize = 3;
 
-/// One stamp per sample: a straight line through stamp against index.
+/// Timing with one stamp per sample: a line through stamp against index.
 ///
-/// Neighbours may be a poor first guess (jitter, rounded stamps) and so may
-/// distant samples (gaps between them): the line with the fewest gaps and
-/// duplicates and the smallest residuals is taken.
+/// Neighbours may give a poor first guess (jitter, rounded stamps), and so may distant samples
+/// (gaps in between): the line with the fewest gaps and duplicates and the smallest residuals is
+/// chosen.
 pub(super) fn fine(times: &[f64], step_s: f64, rate_hz: Option<f64>, unit_s: f64) -> Timing {
     const SPANS: [usize; 6] = [1, 2, 4, 8, 16, 32];
     let start_s = times.first().copied().unwrap_or(0.0);
@@ -42,9 +42,9 @@ fn mean_steps(times: &[f64], span: usize) -> Vec<f64> {
     later.zip(times).map(|(b, a)| (b - a) / span as f64).filter(|&step| step > 0.0).collect()
 }
 
-/// The last digit to which stamps are written; 0 if they have many.
+/// Resolution of the stamps, s, from their last digit; 0 if they have many digits.
 pub(super) fn digit_s(times: &[f64], unit_s: f64) -> f64 {
-    /// What an `f64` leaves of a time since 1970.
+    /// Resolution of an `f64` for a time since 1970.
     const EXACT_S: f64 = 3e-7;
     let start_s = times.first().copied().unwrap_or(0.0);
     let is_written = |&digit_s: &f64| {
@@ -55,7 +55,7 @@ pub(super) fn digit_s(times: &[f64], unit_s: f64) -> f64 {
     (0..6).map(|places| unit_s * 0.1_f64.powi(places)).find(is_written).unwrap_or(0.0)
 }
 
-/// Stamp against index.
+/// A line: stamp as a function of the index.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     start_s: f64,
@@ -63,7 +63,7 @@ struct Line {
 }
 
 impl Line {
-    /// Through the stamps as they follow each other, as if none were missing.
+    /// The line through the stamps, with consecutive indices as if none were missing.
     fn through_rows(times: &[f64]) -> Option<Self> {
         let mut line = Self { start_s: *times.first()?, period_s: 0.0 };
         line.fit_to(times, |row, _| row as f64);
@@ -81,10 +81,9 @@ impl Line {
         (time_s - self.start_s) / self.period_s - self.index(time_s)
     }
 
-    /// Share of steps that are not one, and the residuals: a grid on which every
-    /// stamp is evenly off by up to half a period is as bad as one that leaves
-    /// every fifth sample out. What the last digit of the stamps rounds off weighs little: 92
-    /// samples a second with two decimals are not 100 of which some are lost.
+    /// Cost of a line: fraction of steps that are not one, plus the residuals. Residuals uniform up
+    /// to half a period cost as much as one missing sample in five. Rounding to the last digit
+    /// counts little: 92 samples a second with two decimals are not 100 with losses.
     fn cost(&self, times: &[f64], digit_s: f64) -> f64 {
         const RESIDUALS: f64 = 0.75;
         const ROUNDED: f64 = 0.075;
@@ -110,14 +109,14 @@ impl Line {
         self
     }
 
-    /// Least squares with the indices that the line itself gives.
+    /// Least squares with the indices from the line itself.
     fn fit(&mut self, times: &[f64]) {
         self.fit_phase(times);
         let before = *self;
         self.fit_to(times, |_, time_s| before.index(time_s));
     }
 
-    /// Least squares with an index for every row and its stamp.
+    /// Least squares with an index for every row and stamp.
     fn fit_to(&mut self, times: &[f64], index: impl Fn(usize, f64) -> f64) {
         let n = times.len() as f64;
         let indices = || times.iter().enumerate().map(|(row, &time_s)| index(row, time_s));
@@ -135,8 +134,8 @@ impl Line {
         self.start_s += mean_time - mean_index * self.period_s;
     }
 
-    /// Moves the grid to the mean phase of the stamps, as an angle: half a
-    /// period early and half a period late are the same.
+    /// Moves the grid to the mean phase of the stamps, computed as an angle because half a period
+    /// early and half a period late are equivalent.
     fn fit_phase(&mut self, times: &[f64]) {
         let (mut sine, mut cosine) = (0.0, 0.0);
         for &time in times {
@@ -148,7 +147,7 @@ impl Line {
         self.start_s += angle / std::f64::consts::TAU * self.period_s;
     }
 
-    /// Takes the nearest whole rate if it leaves every stamp about where it is.
+    /// Uses the nearest integer rate if every stamp hardly moves.
     fn snap(&mut self, times: &[f64]) {
         const ROUNDING: f64 = 1e-6;
         let nominal_s = self.period_s.recip().round().max(1.0).recip();

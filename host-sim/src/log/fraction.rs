@@ -1,16 +1,16 @@
-//! Parts of a second without the zeros in front of them: 0.62 for 62 ms.
+//! Fractions of a second without leading zeros: 0.62 for 62 ms.
 
 use crate::error::InputError;
 
 use super::columns::Columns;
 use super::layout::TimeCells;
 
-/// Stamps of one second in a row that show it.
+/// Consecutive stamps of one second that show the form.
 const STAMPS: usize = 4;
 
 impl Columns<'_> {
-    /// Refuses times that run on if what is behind the decimal mark counts milliseconds, and go back
-    /// as they stand: 0.0, 0.62, 0.125.
+    /// Rejects times that are in order if the digits after the decimal mark count milliseconds, and
+    /// not in order as decimal fractions: 0.0, 0.62, 0.125.
     ///
     /// # Errors
     /// Names the column.
@@ -32,7 +32,7 @@ impl Columns<'_> {
     }
 }
 
-/// The first of such stamps, cut at the mark.
+/// The first of such stamps, split at the mark.
 fn without_zeros<'a>(cells: &[(&'a str, &'a str)]) -> Option<(&'a str, &'a str)> {
     let count = |part: &str| part.parse::<u32>().ok().filter(|_| part.len() < 4);
     let steps = || cells.windows(2).filter_map(|w| Some((*w.first()?, *w.last()?)));

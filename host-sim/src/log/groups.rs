@@ -1,13 +1,13 @@
-//! The rate of samples of which several have the same stamp.
+//! The rate of samples of which several share a stamp.
 
 use crate::error::InputError;
 
 use super::timing::{DEFAULT_RATE_HZ, Shared, Timing, median};
 
-/// Several samples per stamp: samples per group over the step of the stamps.
+/// Timing with several samples per stamp: samples per group divided by the step of the stamps.
 ///
 /// # Errors
-/// No stamp has all its samples here.
+/// No stamp has all its samples within the rows.
 pub(super) fn shared(
     times: &[f64],
     step_s: f64,
@@ -34,14 +34,14 @@ pub(super) fn shared(
     })
 }
 
-/// No stamp has more samples than the default rate makes.
+/// Whether no stamp has more samples than at the default rate.
 #[allow(clippy::float_cmp)] // a stamp that is repeated is repeated exactly
 fn may_be_default(times: &[f64], step_s: f64) -> bool {
     times.chunk_by(|a, b| a == b).all(|group| group.len() as f64 <= step_s * DEFAULT_RATE_HZ)
 }
 
-/// Rows per stamp and the steps between these, without the first and last stamp and those beside
-/// a gap.
+/// Rows per stamp and steps of the stamps, without the first and last stamp and those next to a
+/// gap.
 #[derive(Default)]
 struct Groups {
     sizes: Vec<f64>,
@@ -67,8 +67,8 @@ impl Groups {
         groups
     }
 
-    /// Their mean size, that of most of them when it is near, over their mean step; made whole
-    /// where the first and the last step leave it open.
+    /// Mean size of the groups (or the most frequent size if near) divided by the mean step;
+    /// rounded to an integer within the uncertainty from the first and last step.
     fn rate_hz(self) -> Option<f64> {
         const NEAR: f64 = 0.03;
         let count = self.sizes.len() as f64;
@@ -83,7 +83,7 @@ impl Groups {
     }
 }
 
-/// Mean of stamp minus sample over a group, from where the first groups begin.
+/// Mean of stamp minus sample time over a group, for the first groups.
 fn centre(times: &[f64], step: f64, rate_hz: f64) -> f64 {
     const GROUPS: usize = 9;
     let start = times.first().copied().unwrap_or(0.0);

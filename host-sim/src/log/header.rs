@@ -1,4 +1,4 @@
-//! Where the rows of a text table begin, and what stands above them.
+//! Finds the first row of a text table, and the header above.
 //!
 //! ```text
 //!  Channel 1, pull          preamble: read for '# key: value' only
@@ -7,8 +7,8 @@
 //!  0,0625;1,25              rows: values, equally many in each
 //! ```
 //!
-//! The rows are looked for first: from a line on that holds values, where those after
-//! it hold values in the same places. What is right above them is their header.
+//! The rows are found first: a line with values, followed by lines with values in the same places.
+//! The lines directly above are their header.
 
 use crate::error::InputError;
 
@@ -21,36 +21,36 @@ use super::number::{Unit, finite, is_missing};
 use super::said_unit::unit_above;
 use super::stamp::{clock_seconds, date_seconds, date_time_seconds};
 
-/// Rows whose cells are looked at.
+/// Number of rows whose cells are examined.
 const LOOKED_AT: usize = 64;
-/// Lines that are looked through at once for the first row.
+/// Number of lines searched at once for the first row.
 const LOOKED_THROUGH: usize = 268;
-/// Rows that have to follow each other to be a table's.
+/// Number of consecutive rows that make a table.
 pub(super) const IN_A_ROW: usize = 4;
-/// Separators in the order in which they are tried: what comes first is not part of a
-/// number or a stamp, what comes last may be.
+/// Separators in the order of trial: the first ones never occur in a number or stamp, the last ones
+/// may.
 pub(super) const SEPARATORS: [u8; 5] = *b";\t|, ";
 
 /// The head of a text table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header {
-    /// Separator of the cells; a blank stands for any number of blanks.
+    /// Separator of the cells; a blank means any number of blanks.
     pub separator: u8,
-    /// Line of the names and the names; `None` if the rows have no header.
+    /// Line number and names; `None` if the rows have no header.
     pub names: Option<(u64, Vec<String>)>,
-    /// Units below the names, one a column.
+    /// Line number and units below the names, one per column.
     pub units: Option<(u64, Vec<String>)>,
     /// Line of the first row.
     pub first_row: u64,
-    /// Cells in a row.
+    /// Number of cells in a row.
     pub width: usize,
     /// Cells of the first rows.
     pub rows: Vec<Vec<String>>,
-    /// A line above names and rows that holds a unit of force other than N, and that unit.
+    /// Line above names and rows that contains a unit of force other than N, and that unit.
     pub unit_above: Option<(u64, String)>,
 }
 
-/// What the text of a cell looks like.
+/// Kind of a cell's text.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Value,
@@ -69,22 +69,22 @@ pub(super) fn kind(cell: &str) -> Kind {
     }
 }
 
-/// A time of day is in it, which need not be one that is read: `2/29/2012 9:12:30 AM`.
+/// Whether a cell contains a time of day, also in unsupported forms: `2/29/2012 9:12:30 AM`.
 fn holds_clock(cell: &str) -> bool {
     let clock = |w: &[u8]| matches!(w, [a, b':', b] if a.is_ascii_digit() && b.is_ascii_digit());
     cell.starts_with(|first: char| first.is_ascii_digit()) && cell.as_bytes().windows(3).any(clock)
 }
 
-/// NaN and infinity count: they are readings.
+/// Whether a cell is a number; NaN and infinity count, since they are readings.
 fn is_number(cell: &str) -> bool {
     finite(cell.as_bytes()).is_some() || cell.parse::<f64>().is_ok()
 }
 
-/// A line and its number.
+/// Line number and content.
 pub(super) type Content<'a> = (u64, &'a [u8]);
 
-/// Finds the rows and their header in the beginning of a log, whose lines end with
-/// `end`. The first `skip` lines are not looked at.
+/// Finds the rows and their header in the beginning of a log, whose lines end with `end`. The first
+/// `skip` lines are ignored.
 ///
 /// # Errors
 /// A header that does not fit its rows.
@@ -114,7 +114,7 @@ pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<He
     };
     above::refuse_broken_names(&content, first)?;
     let header = header_above(&lines, &content, separator, first).or_else(|error| {
-        // Blanks within stamps: names that another separator cuts say more of the rows.
+        // With blanks inside stamps, names separated in another way describe the rows better.
         let others: Vec<u8> = tried.iter().copied().filter(|&other| other != separator).collect();
         named_otherwise(&content, first, &others).ok_or(error)
     })?;
@@ -125,14 +125,14 @@ pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<He
     Ok(other.unwrap_or(header))
 }
 
-/// Where there is more than was looked at, the last line may go on.
+/// The head without its last line if it may be cut off.
 fn without_cut_line(head: &[u8], end: u8) -> &[u8] {
     let last = head.iter().rposition(|&byte| byte == end).filter(|_| head.len() >= MAX_LINE);
     last.and_then(|last| head.get(..last)).unwrap_or(head)
 }
 
-/// Rows that the wrong separator cuts, as a decimal comma does: above them another one cuts out
-/// the names of a time and a force.
+/// Handles rows split by the wrong separator, such as a decimal comma, if another separator gives
+/// the names of a time and a force above them.
 fn named_otherwise(content: &[Content<'_>], first: usize, separators: &[u8]) -> Option<Header> {
     let is_named = |separator: u8, line: &[u8]| above::are_named(&texts(line, separator));
     let mut separators = separators.iter().filter(|separator| **separator != b' ');
@@ -143,7 +143,7 @@ fn named_otherwise(content: &[Content<'_>], first: usize, separators: &[u8]) -> 
     Some(without_rows(content.get(from..)?, Some(separator)))
 }
 
-/// Separator and place of the first row, if there are rows.
+/// Separator and index of the first row, if there are rows.
 fn begin_of_rows(content: &[Content<'_>], separators: &[u8]) -> Option<(u8, usize)> {
     let all: fn(&[Kind]) -> bool = |kinds| kinds.len() > 1 && !kinds.contains(&Kind::Text);
     let two: fn(&[Kind]) -> bool = |kinds| kinds.iter().filter(|k| **k == Kind::Value).count() > 1;
@@ -153,7 +153,7 @@ fn begin_of_rows(content: &[Content<'_>], separators: &[u8]) -> Option<(u8, usiz
             separators.iter().find_map(|&s| Some((s, first_run(lines, s, is_row)?)))
         })
     };
-    // What is above the rows may be long.
+    // The text above the rows may be long.
     let mut starts = (0..content.len()).step_by(LOOKED_THROUGH - IN_A_ROW);
     let (separator, first) = starts.find_map(|from| {
         let (separator, first) = begin(content.get(from..)?)?;
@@ -162,8 +162,7 @@ fn begin_of_rows(content: &[Content<'_>], separators: &[u8]) -> Option<(u8, usiz
     Some((separator, with_broken_rows(content, separator, first)))
 }
 
-/// The first line from which on the lines are rows with values in the same places, or with a word
-/// for a missing one.
+/// The first of several lines that have values, or words for missing values, in the same places.
 fn first_run(content: &[Content<'_>], separator: u8, is_row: fn(&[Kind]) -> bool) -> Option<usize> {
     let kinds: Vec<Vec<Kind>> = content
         .iter()
@@ -181,7 +180,7 @@ fn first_run(content: &[Content<'_>], separator: u8, is_row: fn(&[Kind]) -> bool
     })
 }
 
-/// Above the rows `NA` may be a name.
+/// Kind of a cell in a row; above the rows `NA` may be a name.
 fn kind_in_row(cell: &str) -> Kind {
     if is_missing(cell.as_bytes()) { Kind::Value } else { kind(cell) }
 }
@@ -190,7 +189,7 @@ fn has_value(kinds: &[Kind]) -> bool {
     kinds.contains(&Kind::Value)
 }
 
-/// A line with a value, right above the rows and as wide, is a row that is broken.
+/// Includes lines with a value directly above the rows and of the same width, as broken rows.
 fn with_broken_rows(content: &[Content<'_>], separator: u8, mut first: usize) -> usize {
     let cells = |at: usize| content.get(at).map(|(_, line)| texts(line, separator));
     let width = cells(first).map_or(0, |cells| cells.len());
@@ -204,8 +203,8 @@ fn with_broken_rows(content: &[Content<'_>], separator: u8, mut first: usize) ->
     first
 }
 
-/// No line looks like a row: the first is taken for the names, and its rows, if there
-/// are any, will say what is wrong with them.
+/// Header for a log without recognizable rows: the first line is taken for the names, and reading
+/// the rows will report the problem.
 fn without_rows(content: &[Content<'_>], separator: Option<u8>) -> Header {
     let (number, line) = content.first().copied().unwrap_or((1, b""));
     let found = || SEPARATORS.into_iter().find(|s| *s != b' ' && line.contains(s));
@@ -274,12 +273,12 @@ fn is_force_unit(cell: &str) -> bool {
     Unit::from_label(bare_unit(cell)).is_some()
 }
 
-/// Text without a single value.
+/// Whether cells are texts without any value.
 fn is_header(cells: &[String]) -> bool {
     cells.len() > 1 && cells.iter().all(|cell| kind(cell) != Kind::Value)
 }
 
-/// Text above rows is their header if it is as wide, or if it names a time or a force.
+/// Whether texts above the rows are their header: same width, or a name of time or force.
 fn is_names(cells: &[String], width: usize) -> bool {
     let text = cells.iter().all(|cell| kind(cell) != Kind::Value);
     text && (cells.len() == width || (cells.len() > 1 && are_known(cells)))
@@ -291,14 +290,13 @@ pub(super) fn are_known(cells: &[String]) -> bool {
 }
 
 impl Header {
-    /// Makes names and units as wide as the rows, where only empty cells are added or
-    /// taken away.
+    /// Makes names and units as wide as the rows, if only empty cells are added or removed.
     fn check(&mut self) -> Result<(), InputError> {
         let (width, rows) = (self.width, &self.rows);
         let unused = |at: usize| rows.iter().all(|row| row.get(at).is_none_or(String::is_empty));
         for (what, line) in [("header", &mut self.names), ("units row", &mut self.units)] {
             let Some((number, cells)) = line else { continue };
-            // LabVIEW names a column for comments that its rows leave out.
+            // LabVIEW names a column for comments that its rows omit.
             let idle = |cell: &&String| cell.is_empty() || cell.eq_ignore_ascii_case("comment");
             if cells.iter().skip(width).all(|cell| idle(&cell)) {
                 cells.truncate(width);
@@ -322,17 +320,17 @@ impl Header {
         Ok(())
     }
 
-    /// Name of a column, empty without one.
+    /// Name of a column; empty if there is none.
     #[must_use]
     pub fn name(&self, column: usize) -> &str {
         let names = self.names.as_ref().and_then(|(_, names)| names.get(column));
         names.map_or("", String::as_str)
     }
 
-    /// The place of a column by its name, or by its number from 1.
+    /// Index of a column by its name, or by its number from 1.
     ///
     /// # Errors
-    /// No such column, or several of the name.
+    /// No column or several columns have the name.
     pub fn column(&self, wanted: &str, option: &str) -> Result<usize, InputError> {
         let empty = Vec::new();
         let names = self.names.as_ref().map_or(&empty, |(_, names)| names);

@@ -1,15 +1,16 @@
-//! A display that is read more often than it changes, and samples that come too often.
+//! Readings repeated because a display is read faster than it changes, and samples left out because
+//! they come too fast.
 
 use floe_core::Reading;
 
 use crate::rounding::{counted, significant};
 
-/// Longest run of equal readings that is told apart.
+/// Longest run of equal readings that is distinguished.
 const LONGEST: usize = 256;
-/// Runs from which on they say something.
+/// Smallest number of runs for a conclusion.
 const ENOUGH: u64 = 40;
 
-/// Counts how long readings stay the same, and those that have no sample of their own.
+/// Counts runs of equal readings, and readings without a sample of their own.
 #[derive(Clone, Debug)]
 pub struct Held {
     last: Option<Reading>,
@@ -26,7 +27,7 @@ impl Default for Held {
 }
 
 impl Held {
-    /// The next reading; a row that is there twice, and has the index of the one before, is none.
+    /// Takes a reading; a repeated row with the index of the previous one is skipped.
     pub fn push(&mut self, index: u32, reading: Reading) {
         if self.index.replace(index) == Some(index) {
             self.left_out += u64::from(self.last != Some(reading));
@@ -42,20 +43,20 @@ impl Held {
         (self.last, self.length) = (Some(reading), 1);
     }
 
-    /// Samples after which the force changes, where nearly all runs are as long: a coarse converter
-    /// changes faster the faster the force does.
+    /// Samples between changes of the force if nearly all runs are equally long; with a coarse
+    /// converter the runs become shorter the faster the force changes.
     fn samples(&self) -> Option<usize> {
         const SHORTEST: usize = 2;
         let all = self.runs.iter().sum::<u64>();
         let (usual, _) = self.runs.iter().enumerate().max_by_key(|(_, runs)| **runs)?;
-        // Beside two samples one is no longer held, and three are half as many again.
+        // With runs of two samples, one and three differ too much to be counted as equal.
         let beside = usize::from(usual > SHORTEST);
         let near =
             self.runs.get(usual.saturating_sub(beside)..=usual + beside)?.iter().sum::<u64>();
         (usual >= SHORTEST && all >= ENOUGH && near * 10 >= all * 9).then_some(usual)
     }
 
-    /// What to say of it.
+    /// Warnings about held readings.
     pub fn warnings(&self, rate_hz: f64) -> impl Iterator<Item = String> {
         let left_out = (self.left_out > 0).then(|| {
             format!(
@@ -106,9 +107,9 @@ mod tests {
         assert_eq!(samples((0..900_u16).map(|i| f32::from(i / 10))), Some(10));
         assert_eq!(samples((0..900_u16).map(|i| f32::from(i / 2))), Some(2));
         assert_eq!(samples((0..900_u16).map(f32::from)), None);
-        // One step in a sample or two.
+        // One step per sample or two.
         assert_eq!(samples((0..900_u16).map(|i| f32::from(i * 10 / 16))), None);
-        // Up slowly in steps of four samples, down at once.
+        // Slowly up in steps of four samples, then down at once.
         let saw = |i: u16| if i % 100 < 80 { (i % 100) / 4 } else { 100 - i % 100 };
         assert_eq!(samples((0..9000).map(|i| f32::from(saw(i)))), None);
         assert_eq!(samples((0..900).map(|_| 0.0)), None);

@@ -1,4 +1,4 @@
-//! What a log holds, before anything is computed from it: `floe inspect`.
+//! Contents of a log before any computation: `floe inspect`.
 
 use floe_core::{Counts, Newtons, Reading};
 use serde::Serialize;
@@ -10,45 +10,45 @@ use super::metadata::Said;
 use super::number::Decimal;
 use super::{Format, Log};
 
-/// Name and version of this format; changes when a meaning changes.
+/// Name and version of the format; changes if a meaning changes.
 pub const SCHEMA: &str = "floe-inspect/1";
 
-/// What was recognised, and what reading it to the end showed.
+/// The recognized form of a log, and statistics from reading it to the end.
 #[derive(Clone, Debug, Serialize)]
 pub struct Inspection {
     /// [`SCHEMA`].
     pub schema: &'static str,
-    /// As given on the command line.
+    /// Path from the command line.
     pub path: String,
     /// `csv`, `toa5`, `cr10` or `floe`.
     pub format: &'static str,
-    /// Separator of the cells; `None` in a logger's own log, which has neither cells nor lines.
+    /// Separator of the cells; `None` in a logger's own log, which has no cells.
     pub delimiter: Option<char>,
-    /// `.` or `,`; `None` if the log shows neither.
+    /// `.` or `,`; `None` if the log contains neither.
     pub decimal: Option<char>,
     /// Line of the column names.
     pub header_line: Option<u64>,
     /// Line of the units below them.
     pub units_line: Option<u64>,
-    /// Line of the first row, where it was looked for.
+    /// Line of the first row, if it was searched for.
     pub first_row_line: Option<u64>,
     /// The columns' names.
     pub columns: Vec<String>,
-    /// Where the time is: columns from 1.
+    /// Columns of the time, from 1.
     pub time_columns: Vec<usize>,
-    /// Unit or form of the time, as in `--time-unit`; `None` without a time.
+    /// Unit or form of the time in the form of `--time-unit`; `None` without a time.
     pub time_unit: Option<&'static str>,
-    /// Moment of the first sample, ISO 8601, where the log says the date.
+    /// Time of the first sample, ISO 8601, if the log contains the date.
     pub start: Option<String>,
-    /// Where the force is: a column from 1.
+    /// Column of the force, from 1.
     pub force_column: usize,
-    /// Its unit, as in `--unit`.
+    /// Unit of the force in the form of `--unit`.
     pub force_unit: &'static str,
     /// Samples per second.
     pub rate_hz: f64,
-    /// Several samples share a time stamp.
+    /// Whether several samples share a time stamp.
     pub shared_stamps: bool,
-    /// What the log says about its test.
+    /// Metadata of the test in the log.
     pub metadata: Vec<Known>,
     /// Samples read, without duplicates.
     pub samples: u64,
@@ -56,7 +56,7 @@ pub struct Inspection {
     pub duration_s: f64,
     /// Sampling periods without a sample.
     pub missing: u64,
-    /// Samples whose period was taken already.
+    /// Samples whose sampling period was already taken.
     pub duplicates: u64,
     /// Readings that a logger marks as bad.
     pub bad: u64,
@@ -64,18 +64,18 @@ pub struct Inspection {
     pub lowest: Option<f64>,
     /// Largest force in N, or reading in counts.
     pub highest: Option<f64>,
-    /// What was assumed, and what else a reader should know.
+    /// Assumptions and warnings.
     pub warnings: Vec<String>,
 }
 
-/// One thing that a log says about its test.
+/// An entry of the metadata.
 #[derive(Clone, Debug, Serialize)]
 pub struct Known {
     /// Its key.
     pub key: String,
-    /// Its value, as the log writes it.
+    /// Value as written in the log.
     pub value: String,
-    /// The line that says it, where the log has lines.
+    /// Line number, if the log has lines.
     pub line: Option<u64>,
 }
 
@@ -129,7 +129,7 @@ pub fn inspect(path: &str, log: &mut Log) -> Result<Inspection, InputError> {
     })
 }
 
-/// Columns from 1 and the unit.
+/// Columns from 1, and the unit.
 fn time(cells: TimeCells) -> (Vec<usize>, Option<&'static str>) {
     match cells {
         TimeCells::Number { cell, unit } => (vec![cell + 1], Some(unit.name())),
@@ -142,7 +142,7 @@ fn time(cells: TimeCells) -> (Vec<usize>, Option<&'static str>) {
     }
 }
 
-/// What went by.
+/// Statistics of the samples read.
 #[derive(Debug, Default)]
 struct Seen {
     samples: u64,

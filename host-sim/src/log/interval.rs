@@ -1,19 +1,19 @@
-//! Whether the stamps keep one interval: a logger may have been set to another on the way.
+//! Checks that the interval of the stamps stays constant, since a logger may have been
+//! reconfigured.
 
 use crate::error::InputError;
 
 use super::rows::Row;
 
-/// Stamps that are evenly apart, one after the other, from which on their interval is
-/// one of its own: lost samples are not lost so evenly.
+/// Number of equally spaced stamps that establish an interval; lost samples are not so regular.
 const STAMPS: u32 = 40;
-/// Intervals within this share of each other are the same.
+/// Largest relative difference of equal intervals.
 const SAME: f64 = 0.2;
-/// An interval so many times longer or shorter than another is not that one. Stamps that are
-/// rounded to steps of nearly a period differ by less over so many of them.
+/// Ratio from which two intervals differ. Stamps rounded to steps of nearly a period vary by less
+/// over this number of stamps.
 const OTHER: f64 = 1.1;
 
-/// Stamps evenly apart.
+/// A series of equally spaced stamps.
 #[derive(Clone, Copy, Debug)]
 struct Even {
     interval_s: f64,
@@ -27,7 +27,7 @@ impl Even {
         !(OTHER.recip()..OTHER).contains(&(self.interval_s / interval_s))
     }
 
-    /// Where they begin, and what to do.
+    /// Error with the start of the series, and the remedy.
     fn refused(&self, beside: &str, cut: &str) -> InputError {
         let Self { interval_s, line, .. } = self;
         InputError::new(format!(
@@ -37,21 +37,21 @@ impl Even {
     }
 }
 
-/// Compares the stamps' intervals with each other, and with the period that is found in all of them.
+/// Compares the intervals of the stamps with each other, and with the period found for all stamps.
 #[derive(Clone, Debug)]
 pub struct Intervals {
     period_s: f64,
-    /// The last row's stamp and line.
+    /// Stamp and line of the last row.
     last: (f64, u64),
-    /// Those evenly apart up to there, and how many intervals.
+    /// The current series, and its number of intervals.
     now: Even,
     alike: u32,
-    /// The first [`STAMPS`] of the log that were evenly apart.
+    /// The first series of [`STAMPS`] stamps.
     first: Option<Even>,
 }
 
 impl Intervals {
-    /// Of a log with this period.
+    /// Starts for a log with this period.
     #[must_use]
     pub fn new(period_s: f64) -> Self {
         let now = Even { interval_s: 0.0, since_s: f64::NAN, line: 0 };
@@ -61,7 +61,7 @@ impl Intervals {
     /// Takes the next row.
     ///
     /// # Errors
-    /// The interval is another than before, from a line that is named.
+    /// The interval changes at the named line.
     pub fn push(&mut self, row: &Row) -> Result<(), InputError> {
         let (since_s, line) = std::mem::replace(&mut self.last, (row.time_s, row.line));
         let interval_s = row.time_s - since_s;
@@ -77,7 +77,8 @@ impl Intervals {
         let mean_s = (row.time_s - self.now.since_s) / f64::from(STAMPS);
         let even = Even { interval_s: mean_s, ..self.now };
         let first = *self.first.get_or_insert(even);
-        // Where the first ones are not at the period, it is a mean of theirs and of what follows.
+        // If the first series does not have the period, the period is a mean of it and the
+        // following series.
         let before_s = if first.is_other(self.period_s) { first.interval_s } else { self.period_s };
         if even.is_other(before_s) {
             return Err(even.refused(&format!("before every {before_s:.6}"), "there"));
@@ -85,10 +86,10 @@ impl Intervals {
         Ok(())
     }
 
-    /// Looks back at the end.
+    /// Final check at the end.
     ///
     /// # Errors
-    /// Stamps evenly apart were not at the period, and no others followed.
+    /// A series of stamps did not have the period, and no other followed.
     pub fn end(&self) -> Result<(), InputError> {
         let Some(first) = self.first.filter(|first| first.is_other(self.period_s)) else {
             return Ok(());
@@ -103,7 +104,7 @@ mod tests {
     use super::*;
     use floe_core::{Newtons, Reading};
 
-    /// What is said of these intervals, the first of them between lines 2 and 3.
+    /// Error message for these intervals, the first of them between lines 2 and 3.
     fn said(period_s: f64, between: impl IntoIterator<Item = f64>) -> Option<String> {
         let mut intervals = Intervals::new(period_s);
         let (mut time_s, mut line) = (0.0, 2);
@@ -123,7 +124,7 @@ mod tests {
             |first: f64, then: f64| (0..600).map(move |i| if i < 300 { first } else { then });
         let changed =
             "line 303: from here on the samples come every 0.100000 s, before every 0.062500";
-        // The period of the one, and the mean of both, which neither has.
+        // The period of the first series, and the mean of both, which neither has.
         for period_s in [0.0625, 0.0811] {
             let said = said(period_s, change(0.0625, 0.1)).unwrap();
             assert!(said.starts_with(changed), "{said}");

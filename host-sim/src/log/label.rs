@@ -1,20 +1,20 @@
-//! What the name of a column says: a quantity and perhaps its unit.
+//! Parses column names: a quantity, and a unit if there is one.
 //!
-//! `force_kN`, `Force [kN]`, `Kraft (N)`, `Time / s`, `Force in kN` and `kg` all say both.
+//! `force_kN`, `Force [kN]`, `Kraft (N)`, `Time / s`, `Force in kN` and `kg` all contain the unit.
 
 use super::number::{Unit, finite};
 use super::stamp::TimeUnit;
 
-/// A name taken apart.
+/// A parsed name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
-    /// The quantity in lower case, empty if the name is nothing but a unit.
+    /// The quantity in lower case; empty if the name is only a unit.
     pub quantity: String,
-    /// The unit as it was written.
+    /// The unit as written.
     pub unit: Option<String>,
 }
 
-/// Words for the time.
+/// Names of a time.
 const TIME: [&str; 29] = [
     "time",
     "tempo",
@@ -46,7 +46,7 @@ const TIME: [&str; 29] = [
     "zeitstempel",
     "date and time",
 ];
-/// Words for the force in the cable.
+/// Names of a force in the cable.
 const FORCE: [&str; 13] = [
     "force",
     "fuerza",
@@ -64,7 +64,7 @@ const FORCE: [&str; 13] = [
 ];
 
 impl Label {
-    /// Takes a column's name apart.
+    /// Parses a column's name.
     #[must_use]
     pub fn new(name: &str) -> Self {
         let name = name.trim().trim_end_matches(',');
@@ -97,7 +97,7 @@ impl Label {
         }
     }
 
-    /// A unit before brackets that hold none: `Force, N (LGR S/N: 1234)`.
+    /// A unit before brackets without one: `Force, N (LGR S/N: 1234)`.
     fn before(name: &str, inside: &str) -> Option<Self> {
         let label = Self::new(name);
         let is_unit = label.unit.as_deref().is_some_and(is_unit) && !is_unit_cell(inside);
@@ -105,32 +105,32 @@ impl Label {
         is_unit.then_some(Self { quantity, ..label })
     }
 
-    /// Whether the name is one of a time column.
+    /// Whether the name is that of a time column.
     #[must_use]
     pub fn is_time(&self) -> bool {
         let alone = self.quantity.is_empty() && self.time_unit().is_some();
         alone || TIME.contains(&self.quantity.as_str())
     }
 
-    /// Whether the name is one of a force column.
+    /// Whether the name is that of a force column.
     #[must_use]
     pub fn is_force(&self) -> bool {
         FORCE.contains(&self.quantity.as_str())
     }
 
-    /// Whether a word of the name is one of a force.
+    /// Whether the name contains a word for a force.
     #[must_use]
     pub fn holds_force(&self) -> bool {
         self.words().any(|word| FORCE.contains(&word))
     }
 
-    /// Whether another word stands beside it: `force_std`, `Force setpoint`.
+    /// Whether the name contains a word besides that for a force: `force_std`, `Force setpoint`.
     #[must_use]
     pub fn says_more_than_force(&self) -> bool {
         !self.is_force() && self.holds_force() && self.words().any(|word| !FORCE.contains(&word))
     }
 
-    /// Whether a factor is in the name: `Force x 10`, `Force*10`, `10^3 force`, `10 N`.
+    /// Whether the name contains a factor: `Force x 10`, `Force*10`, `10^3 force`, `10 N`.
     #[must_use]
     pub fn holds_factor(&self) -> bool {
         let factor = |(at, mark): (usize, &str)| {
@@ -154,13 +154,13 @@ impl Label {
         self.time_unit().is_some()
     }
 
-    /// Its unit, if that is one of time.
+    /// The unit, if it is one of time.
     #[must_use]
     pub fn time_unit(&self) -> Option<TimeUnit> {
         self.unit.as_deref().and_then(TimeUnit::from_label)
     }
 
-    /// Its unit, if that is one of force.
+    /// The unit, if it is one of force.
     #[must_use]
     pub fn force_unit(&self) -> Option<Unit> {
         self.unit.as_deref().and_then(Unit::from_label)
@@ -171,8 +171,8 @@ fn is_unit(text: &str) -> bool {
     TimeUnit::from_label(text).is_some() || Unit::from_label(text).is_some()
 }
 
-/// Units of a force, or of what a load cell gives, that no log is read in: better named than
-/// taken for newtons.
+/// Unsupported units of a force or of a load cell's output; an error is better than taking them for
+/// newtons.
 #[must_use]
 pub fn is_foreign(text: &str) -> bool {
     const FOREIGN: [&str; 12] =
@@ -180,7 +180,7 @@ pub fn is_foreign(text: &str) -> bool {
     FOREIGN.contains(&text.to_lowercase().as_str())
 }
 
-/// A unit of force other than N that stands somewhere in a name: `Load_kgf_Avg`.
+/// A unit of force other than N within a name: `Load_kgf_Avg`.
 #[must_use]
 pub fn unit_within(name: &str) -> Option<&str> {
     let words = || name.split(|letter: char| !letter.is_alphanumeric());
@@ -188,7 +188,7 @@ pub fn unit_within(name: &str) -> Option<&str> {
     words().find(is_other).or_else(|| words().skip(1).find(|word| is_foreign(word)))
 }
 
-/// Whether a cell of a units row could be one: empty, in brackets, or a unit's name.
+/// Whether a cell may belong to a row of units: empty, in brackets, or the name of a unit.
 #[must_use]
 pub fn is_unit_cell(cell: &str) -> bool {
     const OTHERS: [&str; 18] = [
@@ -203,7 +203,7 @@ pub fn is_unit_cell(cell: &str) -> bool {
         || OTHERS.contains(&text.to_lowercase().as_str())
 }
 
-/// A unit without the brackets around it.
+/// A unit without surrounding brackets.
 #[must_use]
 pub fn bare_unit(cell: &str) -> &str {
     let cell = cell.trim();

@@ -1,4 +1,4 @@
-//! Where a row of a text log has its cells, and what they say.
+//! Positions and meaning of the cells in a row of a text log.
 
 use crate::error::{InputError, excerpt};
 use crate::rounding::counted;
@@ -13,68 +13,67 @@ use super::stamp::{
 };
 use super::timing::{self, Timing};
 
-/// Largest time that is taken, s: 31 000 years.
+/// Largest accepted time, s: 31 000 years.
 const LATEST_S: f64 = 1e12;
 
-/// Where in a row everything is; found from the header, or given.
+/// Positions of all parts of a row, from the header or given.
 ///
 /// Cells are counted from 0.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// Separator of the cells; a blank stands for any number of blanks.
+    /// Separator of the cells; a blank means any number of blanks.
     pub separator: u8,
     /// Decimal mark of the numbers.
     pub decimal: Decimal,
-    /// Cells in a row; `None`: as many as the first row has.
+    /// Number of cells in a row; `None`: that of the first row.
     pub width: Option<usize>,
-    /// The time stamp.
+    /// Cells of the time stamp.
     pub time: TimeCells,
-    /// The force.
+    /// Cell of the force.
     pub force: usize,
-    /// Its unit.
+    /// Unit of the force.
     pub unit: Unit,
-    /// The record number, if there is one.
+    /// Cell of the record number, if there is one.
     pub record: Option<usize>,
-    /// Only rows that begin with this number belong to the log.
+    /// First number of the rows that belong to the log.
     pub array_id: Option<u32>,
-    /// Step of the stamps if the format has coarse ones, s.
+    /// Step of the stamps, s, if the format has coarse ones.
     pub resolution_s: Option<f64>,
-    /// Nothing says the unit of the time, which is taken as seconds.
+    /// Whether the unit of the time is unstated and assumed to be seconds.
     pub seconds_unsaid: bool,
 }
 
-/// How a row tells its time.
+/// Form of a row's time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeCells {
     /// One cell.
     Number {
-        /// Which.
+        /// Index of the cell.
         cell: usize,
-        /// Its unit or form.
+        /// Unit or form of the time.
         unit: TimeUnit,
     },
-    /// A time of day in one cell, perhaps a date in another.
+    /// A time of day in one cell, with a date in another if there is one.
     DateAndClock {
-        /// The date.
+        /// Cell of the date.
         date: Option<usize>,
-        /// The time of day.
+        /// Cell of the time of day.
         clock: usize,
     },
-    /// Not at all: rows follow each other.
+    /// No time: rows are consecutive.
     Count {
-        /// Rows a second.
+        /// Rows per second.
         rate_hz: f64,
     },
-    /// Year, day and hhmm in cells 1 to 3, perhaps seconds in cell 4.
+    /// Year, day and hhmm in cells 1 to 3, and seconds in cell 4 if there are any.
     Cr10 {
-        /// Cell 4 holds seconds.
+        /// Whether cell 4 contains seconds.
         seconds: bool,
     },
 }
 
 impl TimeCells {
-    /// Whether stamps say the date, so that the log's own time begins with its first
-    /// sample.
+    /// Whether stamps contain the date; the log's own time then begins with its first sample.
     #[must_use]
     pub fn is_calendar(self) -> bool {
         match self {
@@ -90,12 +89,12 @@ impl Layout {
     /// The timing of the first rows; `rate_hz` if the user or the log states it.
     ///
     /// # Errors
-    /// They do not tell it.
+    /// The rows do not determine it.
     pub fn timing(&self, rows: &[Row], rate_hz: Option<f64>) -> Result<Timing, InputError> {
         let unit_s = match self.time {
             TimeCells::Number { unit: TimeUnit::Minute, .. } => 60.0,
             TimeCells::Number { unit: TimeUnit::Excel, .. } => DAY_S,
-            // Of the others, the digits are those of seconds.
+            // In the other forms the last digit is one of seconds.
             TimeCells::Number { .. }
             | TimeCells::DateAndClock { .. }
             | TimeCells::Count { .. }
@@ -104,7 +103,7 @@ impl Layout {
         timing::find(rows, rate_hz, self.resolution_s, unit_s)
     }
 
-    /// A row of two numbers; `None` if they cannot be a time and a force.
+    /// A row from two numbers; `None` if they cannot be a time and a force.
     pub(super) fn plain_row(&self, &PlainRow { time_s, force, .. }: &PlainRow) -> Option<Row> {
         let reading = reading_of(force, self.unit)?;
         (time_s.abs() <= LATEST_S).then_some(Row { time_s, reading, records: 1, line: 0 })
@@ -146,11 +145,12 @@ impl Layout {
         Ok(Some((row, record)))
     }
 
-    /// Takes the decimal mark from the first force that has one.
+    /// Determines the decimal mark from the first force with a mark.
     fn settle(&mut self, force: &[u8], line: &[u8], cells: &Cells) -> Result<(), InputError> {
         let Some(mark) = force.iter().find(|byte| b".,".contains(byte)) else { return Ok(()) };
         if is_thousand(text(force)) {
-            // A time that cannot be read is why no rows were found that tell the mark.
+            // If the time cannot be read, that is the reason why no rows were found to determine
+            // the mark.
             self.time_s(line, cells)?;
             return Err(thousand(text(force)));
         }
@@ -160,7 +160,7 @@ impl Layout {
         Ok(())
     }
 
-    /// Whether a row's time is in a zone that it says.
+    /// Whether a row's time contains its zone.
     pub(super) fn says_zone(&self, line: &[u8], cells: &Cells) -> bool {
         let cell = |index| text(cells.get(line, index).unwrap_or_default());
         match self.time {
@@ -172,7 +172,7 @@ impl Layout {
         }
     }
 
-    /// Whether the force is all there is: a line below the rows is no row that is too short.
+    /// Whether the force is the only cell, so that a line below the rows is not a short row.
     fn is_alone(&self) -> bool {
         self.width == Some(1)
     }
@@ -196,17 +196,17 @@ impl Layout {
                 let clock_s = clock_seconds(text(cell(clock)));
                 (cell(clock), date.zip(clock_s).map(|(date, clock)| date + clock))
             }
-            // Told by the rows before.
+            // The previous rows determine it.
             TimeCells::Count { .. } => return Ok(0.0),
             TimeCells::Cr10 { seconds } => (line, cr10_time(line, cells, seconds)),
         };
-        // Times further out leave no room for a fraction of a second.
+        // Larger times leave no room for a fraction of a second.
         let time = time.filter(|time_s| time_s.abs() <= LATEST_S);
         time.ok_or_else(|| remedy::no_time(text))
     }
 }
 
-/// Whether a line is nothing but separators between empty cells.
+/// Whether a line consists of separators between empty cells.
 #[must_use]
 pub fn is_empty(line: &[u8], separator: u8) -> bool {
     line.iter().all(|&byte| byte == separator || byte == b'"' || byte.is_ascii_whitespace())
@@ -216,7 +216,7 @@ fn begins_with(cell: Option<&[u8]>, id: u32) -> bool {
     cell.and_then(finite).is_some_and(|value| (value - f64::from(id)).abs() < 0.5)
 }
 
-/// The time of a mixed-array row, its stamp in cells 1 to 3 or 1 to 4.
+/// Time of a mixed-array row, from cells 1 to 3 or 1 to 4.
 #[must_use]
 pub fn cr10_time(line: &[u8], cells: &Cells, seconds: bool) -> Option<f64> {
     let cell = |index| cells.get(line, index).and_then(finite);

@@ -1,4 +1,4 @@
-//! Lines out of a stream through one fixed buffer.
+//! Reads lines from a stream through a buffer of fixed size.
 
 use std::io::Read;
 
@@ -6,8 +6,8 @@ use memchr::memchr;
 
 use crate::error::InputError;
 
-/// Longest line taken. A text log's lines are far shorter; what is longer is
-/// another kind of file, and must not fill the memory.
+/// Longest accepted line, bytes. Lines of text logs are far shorter; a longer one belongs to
+/// another kind of file and must not fill the memory.
 pub const MAX_LINE: usize = 64 * 1024;
 
 const BUFFER: usize = 4 * MAX_LINE;
@@ -16,15 +16,15 @@ const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
 /// One line without its end (LF, CR LF, or CR in a file without any LF).
 #[derive(Clone, Copy, Debug)]
 pub struct Line<'a> {
-    /// Its bytes.
+    /// Bytes of the line.
     pub bytes: &'a [u8],
-    /// From 1.
+    /// Line number from 1.
     pub number: u64,
-    /// It had an end: the last line of a file that was cut off has none.
+    /// Whether the line has an end; the last line of a cut file has none.
     pub ended: bool,
 }
 
-/// Reads line by line in constant memory, without seeking.
+/// Reads lines in constant memory, without seeking.
 pub struct Lines {
     input: Box<dyn Read + Send>,
     buffer: Vec<u8>,
@@ -50,8 +50,8 @@ impl Lines {
         Self { input, buffer, start: 0, end: 0, exhausted: false, number: 0, line_end: b'\n' }
     }
 
-    /// The beginning of the stream, [`MAX_LINE`] bytes or all there is, without a
-    /// UTF-8 mark. Takes nothing away. Call it first.
+    /// The first [`MAX_LINE`] bytes of the stream, or all, without a UTF-8 mark. Does not consume
+    /// them. Call it first.
     ///
     /// # Errors
     /// The stream cannot be read.
@@ -67,13 +67,13 @@ impl Lines {
         Ok(self.ahead())
     }
 
-    /// What ends a line: LF, or CR where the head holds no LF.
+    /// End of a line: LF, or CR if the head contains no LF.
     #[must_use]
     pub fn line_end(&self) -> u8 {
         self.line_end
     }
 
-    /// The next line, `None` at the end.
+    /// The next line; `None` at the end.
     ///
     /// # Errors
     /// The stream cannot be read, or a line is longer than [`MAX_LINE`].
@@ -107,14 +107,14 @@ impl Lines {
         Ok(Some(Line { bytes, number: self.number, ended }))
     }
 
-    /// What is read of the stream and not yet taken, up to [`MAX_LINE`] bytes.
+    /// The bytes read and not consumed, up to [`MAX_LINE`].
     #[must_use]
     pub fn ahead(&self) -> &[u8] {
         let unread = self.unread();
         unread.get(..MAX_LINE).unwrap_or(unread)
     }
 
-    /// Takes the line that the caller found there, of so many bytes; its number.
+    /// Consumes a line of `length` bytes found by the caller; returns its number.
     pub fn take(&mut self, length: usize) -> u64 {
         self.start = self.end.min(self.start + length);
         self.number += 1;
@@ -125,7 +125,7 @@ impl Lines {
         self.buffer.get(self.start..self.end).unwrap_or_default()
     }
 
-    /// Reads more behind what is unread; false at the end of the stream.
+    /// Reads more bytes after the unread ones; `false` at the end of the stream.
     fn refill(&mut self) -> Result<bool, InputError> {
         if self.exhausted {
             return Ok(false);

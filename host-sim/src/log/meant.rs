@@ -1,8 +1,8 @@
-//! Lines that nearly say what a key of the metadata says.
+//! Recognizes lines that resemble a key of the metadata.
 
 use super::number::finite;
 
-/// How such a line begins, and key and value to write; the longer beginning first.
+/// Beginning of such a line, and correct key and value; longer beginnings come first.
 const MEANT: [(&str, &str, &str); 12] = [
     ("weight_std", "weight_std_n", "2"),
     ("slope_std", "slope_std_deg", "0.2"),
@@ -18,7 +18,7 @@ const MEANT: [(&str, &str, &str); 12] = [
     ("zero", "zero_before_n", "1.2"),
 ];
 
-/// Key and value to write in place of a line, if a key was meant and is followed by a number.
+/// Correct key and value for a line, if a key was meant and a number follows.
 #[must_use]
 pub fn meant(text: &str, is_key: impl FnOnce(&str) -> bool) -> Option<(String, String)> {
     let cut = |marks: &[char]| text.split_once(marks);
@@ -40,7 +40,7 @@ pub fn meant(text: &str, is_key: impl FnOnce(&str) -> bool) -> Option<(String, S
 mod tests {
     use crate::log::metadata::Metadata;
 
-    /// What is written in place of such a line says the same, not something else.
+    /// The proposed line has the meaning of the original, not another one.
     #[test]
     fn how_well_it_is_known_is_not_what_it_is() {
         for (line, write) in [

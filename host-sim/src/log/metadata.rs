@@ -1,4 +1,4 @@
-//! What a log says about its test in `# key: value` lines.
+//! Metadata of a test in `# key: value` lines of a log.
 
 use crate::error::{InputError, excerpt};
 use crate::replay::known::{KnownMetadata, WeightFrom};
@@ -8,12 +8,12 @@ use super::meant::meant;
 use super::sense;
 use super::winch_marks::{self, WinchMark};
 
-/// The keys that are known; every other comment is skipped.
+/// Values of the known keys; all other comments are skipped.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metadata {
     /// Name of the test.
     pub test_id: Option<String>,
-    /// Effects that were looked for, as in `--effects`.
+    /// Effects that were looked for, in the form of `--effects`.
     pub effects: Option<String>,
     /// Weight of the block, N.
     pub weight_n: Option<f64>,
@@ -23,21 +23,21 @@ pub struct Metadata {
     pub normal_n: Option<f64>,
     /// Slope along the pull, degrees, uphill positive.
     pub slope_deg: Option<f64>,
-    /// How well all this is known.
+    /// Uncertainties of the inputs.
     pub known: KnownMetadata,
     /// Take-up speed of the winch, m/s.
     pub winch_m_per_s: Option<f64>,
-    /// What was said of the winch during the test.
+    /// Marks of the winch during the test.
     pub winch_marks: Option<Vec<WinchMark>>,
     /// Length of the cable, m.
     pub cable_length_m: Option<f64>,
     /// How the block was pulled: `sliding`, `rafting` or `over-riding`.
     pub kind: Option<String>,
-    /// The ice under it: `fresh` or `repeated`.
+    /// The ice under the block: `fresh` or `repeated`.
     pub track: Option<String>,
-    /// When the test was started, ms since 1970 (UTC).
+    /// Start of the test, ms since 1970 (UTC).
     pub start_unix_ms: Option<f64>,
-    /// Its stamps count from a day that means nothing: the logger's clock was not set.
+    /// Whether the stamps have no meaningful date, because the logger's clock was not set.
     pub undated: bool,
     /// Mean temperature of the converter, °C.
     pub temperature_c: Option<f64>,
@@ -53,47 +53,47 @@ pub struct Metadata {
     pub tare_counts: Option<f64>,
     /// Converter codes per newton.
     pub counts_per_n: Option<f64>,
-    /// Unit of the force where its column says none, as it is written.
+    /// Unit of the force, as written, for a column without a unit.
     pub unit: Option<String>,
-    /// What a simulator says of a log that it made.
+    /// Description by the simulator, if the log was simulated.
     pub synthetic: Option<String>,
-    /// Every known key in the order of the log.
+    /// All known keys, in the order of the log.
     pub said: Vec<Said>,
-    /// What looks like a known key and is none, or comes too late.
+    /// Lines that resemble a known key, or come too late.
     pub notes: Vec<Note>,
-    /// The keys that come too late.
+    /// Keys that come too late.
     late: Vec<String>,
 }
 
-/// A line that says nothing that is used.
+/// A line with unused information.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
     /// The key that was meant, or came too late.
     pub key: String,
-    /// What is said of it.
+    /// Text of the note.
     pub text: String,
 }
 
-/// Where a key was said first.
+/// First line with a key.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Said {
     /// The key.
     pub key: String,
-    /// Its value, as the log writes it.
+    /// Value as written in the log.
     pub value: String,
-    /// The line.
+    /// Line number.
     pub line: u64,
 }
 
 impl Metadata {
-    /// Takes the comment in line `number`; of any other line only notes what was meant for one.
+    /// Stores the comment in line `number`; other lines that resemble one are noted.
     ///
     /// # Errors
-    /// A known key whose value is not a finite number, or not what an earlier line says.
+    /// A known key whose value is not a finite number, or contradicts an earlier line.
     pub fn take(&mut self, line: &[u8], number: u64) -> Result<(), InputError> {
         let behind_mark = comment(line);
         let text = String::from_utf8_lossy(behind_mark.unwrap_or(line));
-        // A spreadsheet fills a comment up with empty cells.
+        // A spreadsheet fills a comment with empty cells.
         let text = text.trim_end_matches(|end: char| end.is_whitespace() || ",;".contains(end));
         let text = text.trim_start_matches(['#', '%', ' ', '\t']);
         let Some((key, value)) = behind_mark.and_then(|_| text.split_once(':')) else {
@@ -119,8 +119,8 @@ impl Metadata {
         }
     }
 
-    /// Stores what is said of a key; gives whether something else was stored there, and `None` for a
-    /// key that is not known.
+    /// Stores the value of a key; returns whether another value was stored before, or `None` for an
+    /// unknown key.
     fn store(&mut self, key: &str, value: &str) -> Result<Option<bool>, InputError> {
         let refused = |why: String| InputError::new(format!("'# {key}:' {why}"));
         let text = Some(value.to_string());
@@ -148,11 +148,11 @@ impl Metadata {
         Ok(Some(contradicted))
     }
 
-    /// Takes the comment in line `number`, behind the samples that a log is known by: a key that
-    /// was not said before is said too late.
+    /// Handles the comment in line `number` after the samples that define the log: a new key there
+    /// is too late.
     ///
     /// # Errors
-    /// As of [`Self::take`].
+    /// A known key whose value is not a finite number, or contradicts an earlier line.
     pub fn take_late(&mut self, line: &[u8], number: u64) -> Result<(), InputError> {
         let mut with = self.clone();
         with.take(line, number)?;
@@ -169,7 +169,7 @@ impl Metadata {
         Ok(())
     }
 
-    /// Refuses a weight that is not that of the mass, but for what gravity differs by.
+    /// Rejects a weight that differs from that of the mass by more than variations of gravity.
     fn weigh(&self, number: u64) -> Result<(), InputError> {
         let (Some(weight_n), Some(mass_kg)) = (self.weight_n, self.mass_kg) else { return Ok(()) };
         let (weight, mass) = (self.line("weight_n"), self.line("mass_kg"));
@@ -184,7 +184,7 @@ impl Metadata {
         )))
     }
 
-    /// Notes what was meant to say what a known key says.
+    /// Notes a line that resembles a known key.
     fn look_at(&mut self, text: &str, number: u64) {
         let Some((key, value)) = meant(text, |key| self.field(key).is_some()) else { return };
         let said = excerpt(text.as_bytes());
@@ -192,13 +192,13 @@ impl Metadata {
         self.notes.push(Note { key, text });
     }
 
-    /// The line that says a key first.
+    /// First line with a key.
     #[must_use]
     pub fn line(&self, key: &str) -> Option<u64> {
         self.first(key).map(|said| said.line)
     }
 
-    /// Where a key is said first.
+    /// First entry with a key.
     #[must_use]
     pub fn first(&self, key: &str) -> Option<&Said> {
         self.said.iter().find(|said| said.key == key)
@@ -225,7 +225,7 @@ impl Metadata {
     }
 }
 
-/// Puts a value in; true if another one was there.
+/// Stores a value; returns whether it replaced a different one.
 fn replaced<T: PartialEq>(field: &mut Option<T>, value: Option<T>) -> bool {
     let contradicts = field.is_some() && *field != value;
     *field = value;

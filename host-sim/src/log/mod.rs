@@ -76,7 +76,7 @@ use rows::{LastLine, Row, Rows};
 use said_unit::refuse_other_unit;
 use start::Start;
 
-/// Rows read ahead to find rate, phase and metadata.
+/// Number of rows read ahead to determine rate, phase and metadata.
 const HEAD_ROWS: usize = 4096;
 
 /// Kinds of text log.
@@ -105,13 +105,13 @@ impl Format {
     }
 }
 
-/// One sample of a log.
+/// A sample of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// For [`floe_core::Pipeline::step`].
+    /// Sample for [`floe_core::Pipeline::step`].
     pub raw: RawSample,
-    /// In the log's own time, s: a CSV's time column; for calendar stamps
-    /// seconds since the first sample.
+    /// Time in the log's own time, s: the time column of a CSV; for calendar stamps seconds since
+    /// the first sample.
     pub time_s: f64,
 }
 
@@ -120,35 +120,34 @@ pub struct Sample {
 pub struct Log {
     format: Format,
     rows: Rows,
-    /// Rows read but not given out: the head at first, then what the clock
-    /// needs to see ahead.
+    /// Rows read and not returned: first the head, then those that the clock needs in advance.
     ahead: VecDeque<Row>,
     clock: Clock,
     origin_s: f64,
     held: Held,
-    /// None where the rate is given, and samples further apart are gaps, or stamps are shared.
+    /// `None` if the rate is given (larger intervals are gaps then), or if stamps are shared.
     intervals: Option<Intervals>,
     head: Recognised,
-    /// What a logger's own log holds beside the test.
+    /// Remarks on other contents of a logger's own log.
     told: Vec<String>,
 }
 
-/// What a reader found out about a text log before its first row.
+/// Information about a text log from before its first row.
 #[derive(Clone, Debug, Default)]
 pub struct Recognised {
-    /// The table's head; `None` for the formats that have no header to look for.
+    /// Header of the table; `None` for formats without one to search for.
     pub header: Option<Header>,
-    /// What was assumed, one sentence each.
+    /// Assumptions, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl Log {
-    /// Begins to read: recognises the format, finds columns, rate and metadata.
+    /// Starts reading: recognizes the format, finds columns, rate and metadata.
     ///
-    /// Never seeks, so any stream will do.
+    /// Never seeks, so any stream is suitable.
     ///
     /// # Errors
-    /// One line that says where in the stream and what to do about it.
+    /// A message of one line with the place in the stream and the remedy.
     pub fn from_reader(
         input: Box<dyn Read + Send>,
         options: &LogOptions,
@@ -170,7 +169,7 @@ impl Log {
         Self::timed(format, rows, head, options)
     }
 
-    /// The logger's own log, by way of its text.
+    /// Opens a logger's own log through its text form.
     fn from_floe(input: Box<dyn Read + Send>, options: &LogOptions) -> Result<Self, InputError> {
         options.check(Format::Floe)?;
         let options = LogOptions {
@@ -184,7 +183,7 @@ impl Log {
         Ok(Self { told, ..Self::timed(Format::Floe, rows, head, &options)? })
     }
 
-    /// The next sample, `None` at the end.
+    /// The next sample; `None` at the end.
     ///
     /// # Errors
     /// A line that cannot be used, with its number.
@@ -201,7 +200,7 @@ impl Log {
         Ok(Some(Sample { raw, time_s: time_s - self.origin_s }))
     }
 
-    /// The next row, with as many behind it in `ahead` as the clock looks at.
+    /// The next row; `ahead` then contains the following rows that the clock needs.
     fn next_row(&mut self) -> Result<Option<Row>, InputError> {
         let lookahead = self.clock.lookahead();
         if lookahead == 0 && self.ahead.is_empty() {
@@ -214,7 +213,7 @@ impl Log {
         Ok(self.ahead.pop_front())
     }
 
-    /// What was recognised, or said by the caller.
+    /// The format, recognized or given.
     #[must_use]
     pub fn format(&self) -> Format {
         self.format
@@ -226,7 +225,7 @@ impl Log {
         self.clock.timing().rate_hz
     }
 
-    /// What the log says about its test, up to its first 4096 samples.
+    /// Metadata of the test from the beginning of the log, up to its first 4096 samples.
     #[must_use]
     pub fn metadata(&self) -> &Metadata {
         &self.rows.metadata
@@ -238,19 +237,19 @@ impl Log {
         self.rows.layout().unit
     }
 
-    /// Where the rows' cells are.
+    /// Layout of the rows.
     #[must_use]
     pub fn layout(&self) -> &Layout {
         self.rows.layout()
     }
 
-    /// What was found above the first row.
+    /// Information from above the first row.
     #[must_use]
     pub fn recognised(&self) -> &Recognised {
         &self.head
     }
 
-    /// The moment at which its own time begins, where it says the date.
+    /// Time at which the log's own time begins, if the log contains the date.
     #[must_use]
     pub fn start(&self) -> Option<Start> {
         let metadata = self.metadata();
@@ -261,7 +260,7 @@ impl Log {
         said.then_some(Start { unix_s: self.origin_s, is_utc: self.rows.is_utc() })
     }
 
-    /// What a reader of the result should know, complete at the end of the log.
+    /// Warnings for the result, complete at the end of the log.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let truncated = self.rows.truncated().map(LastLine::warning);
@@ -281,7 +280,7 @@ impl Log {
             .collect()
     }
 
-    /// Reads the head and finds the timing in it.
+    /// Reads the head and determines the timing.
     fn timed(
         format: Format,
         mut rows: Rows,

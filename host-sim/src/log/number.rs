@@ -1,11 +1,11 @@
-//! Numbers in cells, and the markers that stand for a missing one.
+//! Numbers in cells, and markers for missing ones.
 
 use floe_core::{Counts, Fault, Newtons, Reading};
 
 use crate::error::InputError;
 
-/// Values that stand for a measurement that failed: those of Campbell loggers, and the -9999 of
-/// archives of weather and climate.
+/// Markers of a failed measurement: those of Campbell loggers, and -9999 of weather and climate
+/// archives.
 pub const SENTINELS: [f64; 4] = [-6999.0, 6999.0, -99999.0, -9999.0];
 
 /// Standard gravity, m/s²: turns a mass into a weight and kgf into N.
@@ -44,7 +44,7 @@ impl Unit {
         }
     }
 
-    /// The unit a column's name or units row states.
+    /// The unit in a column's name or units row.
     #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
         match label.trim().to_lowercase().as_str() {
@@ -95,9 +95,9 @@ impl std::str::FromStr for Decimal {
     }
 }
 
-/// A decimal number; also NaN and infinity by name.
+/// Parses a decimal number, or NaN and infinity by name.
 ///
-/// `None` if the cell is empty or holds anything else.
+/// `None` if the cell is empty or contains anything else.
 #[must_use]
 pub fn number(cell: &[u8], decimal: Decimal) -> Option<f64> {
     match fast_float2::parse(cell) {
@@ -107,11 +107,11 @@ pub fn number(cell: &[u8], decimal: Decimal) -> Option<f64> {
     }
 }
 
-/// A leading plus, a decimal comma, Fortran's exponent `D`, or the minus of typesetting, which some
-/// spreadsheets write.
+/// Parses a leading plus, a decimal comma, Fortran's exponent `D`, or the typographic minus written
+/// by some spreadsheets.
 #[cold]
 fn unusual_number(cell: &[u8], decimal: Decimal) -> Option<f64> {
-    // Blanks that are not ASCII are around it.
+    // Surrounding blanks may be other than ASCII.
     let text = std::str::from_utf8(cell).ok()?.trim();
     if let Some(size) = text.strip_prefix('\u{2212}') {
         let size = size.starts_with(|first: char| first.is_ascii_digit()).then_some(size)?;
@@ -133,9 +133,8 @@ pub fn finite(cell: &[u8]) -> Option<f64> {
 
 /// The content of a force cell.
 ///
-/// Empty cells, NaN, infinities and (except for counts, where any code may be
-/// real) the [`SENTINELS`] are bad samples. `None` for what is not a number, for
-/// counts also for what is not a whole number of 32 bits.
+/// Empty cells, NaN, infinities and the [`SENTINELS`] (except for counts, where any code may be
+/// real) are bad samples. `None` for other text, and for counts that are not 32-bit integers.
 #[must_use]
 pub fn reading(cell: &[u8], unit: Unit, decimal: Decimal) -> Option<Reading> {
     const BAD: Reading = Reading::Bad(Fault::Sentinel);
@@ -148,7 +147,8 @@ pub fn reading(cell: &[u8], unit: Unit, decimal: Decimal) -> Option<Reading> {
     }
 }
 
-/// Whether a cell says that there is no number, as spreadsheets and statistics write it.
+/// Whether a cell is a marker for a missing number, as written by spreadsheets and statistics
+/// programs.
 #[cold]
 #[must_use]
 pub fn is_missing(cell: &[u8]) -> bool {
@@ -156,7 +156,7 @@ pub fn is_missing(cell: &[u8]) -> bool {
         "NA", "<NA>", "N/A", "#N/A", "null", "None", "missing", "#DIV/0!", "#NUM!", "#VALUE!",
         "#REF!", "#NAME?", "#NV", "#ZAHL!", "#WERT!", "#BEZUG!",
     ];
-    // As C writes them, with any digits: `-1.#IND00`, `-nan(ind)`.
+    // Forms of C libraries with any digits: `-1.#IND00`, `-nan(ind)`.
     let number = cell.strip_prefix(b"-").unwrap_or(cell);
     let is_c = |start: &[u8]| {
         number.get(..start.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(start))
@@ -166,7 +166,7 @@ pub fn is_missing(cell: &[u8]) -> bool {
         || is_c(b"nan(")
 }
 
-/// Whether a cell is a number whose thousands are set apart: digits, then a mark and three.
+/// Whether a cell is a number with separated thousands: digits, a mark, three digits.
 #[must_use]
 pub fn is_grouped(cell: &[u8]) -> bool {
     const MARKS: [char; 9] =
@@ -181,21 +181,21 @@ pub fn is_grouped(cell: &[u8]) -> bool {
         && groups.all(digits)
 }
 
-/// Whether each number is one more than that before it.
+/// Whether each number is one more than the previous.
 #[must_use]
 pub fn count_up(numbers: &[f64]) -> bool {
     let is_next = |w: &[f64]| matches!(w, [a, b] if (b - a - 1.0).abs() < 1e-9);
     numbers.windows(2).all(is_next)
 }
 
-/// Whether a number may be one of thousands as well as a decimal one: `1.006`.
+/// Whether a number may have a separated thousand or decimals: `1.006`.
 #[must_use]
 pub fn is_thousand(cell: &str) -> bool {
     let is_long = cell.split(['.', ',']).skip(1).any(|group| group.len() != 3);
     !is_long && cell.contains(['.', ',']) && is_grouped(cell.as_bytes())
 }
 
-/// The error for it.
+/// The error for a number that may have a separated thousand.
 #[must_use]
 pub fn thousand(cell: &str) -> InputError {
     InputError::new(format!(
@@ -204,7 +204,7 @@ pub fn thousand(cell: &str) -> InputError {
     ))
 }
 
-/// A reading from a number that is read already.
+/// A reading from a parsed number.
 #[must_use]
 pub fn reading_of(value: f64, unit: Unit) -> Option<Reading> {
     const BAD: Reading = Reading::Bad(Fault::Sentinel);

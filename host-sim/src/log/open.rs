@@ -1,4 +1,4 @@
-//! The beginning of a log: which format it is, its header, its columns.
+//! Opens a log: finds format, header and columns.
 
 use std::io::{Cursor, Read};
 
@@ -16,13 +16,13 @@ use super::options::LogOptions;
 use super::rows::Rows;
 use super::{Format, Recognised, cr10, csv, toa5};
 
-/// As much of a stream as shows whether it is a card's log: 64 of its sectors.
+/// Number of bytes that show whether a stream is a card's log: 64 sectors.
 pub const START_LEN: usize = 64 * SECTOR_LEN;
 
-/// The beginning of a stream, [`START_LEN`] bytes or all there is, and the whole of it.
+/// The beginning of a stream, [`START_LEN`] bytes or all of it, and the whole stream.
 ///
 /// # Errors
-/// It cannot be read.
+/// The stream cannot be read.
 pub fn peek(
     mut input: Box<dyn Read + Send>,
 ) -> Result<(Box<dyn Read + Send>, Vec<u8>), InputError> {
@@ -32,7 +32,7 @@ pub fn peek(
     Ok((Box::new(Cursor::new(start.clone()).chain(input)), start))
 }
 
-/// What to say of another log that `--format floe` calls one.
+/// Error for another log with `--format floe`.
 #[must_use]
 pub fn no_floe() -> InputError {
     InputError::new(format!(
@@ -42,7 +42,7 @@ pub fn no_floe() -> InputError {
     ))
 }
 
-/// The same text in UTF-8 if it begins with the mark of UTF-16.
+/// The text converted to UTF-8 if it begins with the mark of UTF-16.
 #[must_use]
 pub fn utf8(input: Box<dyn Read + Send>, start: &[u8]) -> Box<dyn Read + Send> {
     if start.starts_with(b"\xFF\xFE") || start.starts_with(b"\xFE\xFF") {
@@ -51,7 +51,7 @@ pub fn utf8(input: Box<dyn Read + Send>, start: &[u8]) -> Box<dyn Read + Send> {
     input
 }
 
-/// How files begin that hold a log in another form, and the way out.
+/// Beginnings of files in other formats, with their remedies.
 const BINARY: [(&[u8], &str); 10] = [
     (b"PK\x03\x04", "is a spreadsheet, or another zip archive; save its table as CSV"),
     (b"\xD0\xCF\x11\xE0", "is an old spreadsheet; save its table as CSV"),
@@ -65,10 +65,10 @@ const BINARY: [(&[u8], &str); 10] = [
     (b"TDSm", "is a LabVIEW measurement (TDMS); export it as text"),
 ];
 
-/// Refuses what is certainly no text log of ours, with the way out.
+/// Rejects input that is certainly no text log, with a remedy.
 ///
 /// # Errors
-/// Says what it is.
+/// Names the kind of the input.
 pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
     let refuse = |message: &str| Err(InputError::new(message));
     let text = head.trim_ascii_start();
@@ -109,13 +109,14 @@ pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
     Ok(())
 }
 
-/// A sector as a card with a file system begins with.
+/// Whether a sector is the first of a card with a file system.
 fn is_card(head: &[u8]) -> bool {
     head.get(..SECTOR_LEN)
         .is_some_and(|sector| sector.ends_with(b"\x55\xAA") && sector.contains(&0))
 }
 
-/// An object, or an array of objects or arrays. An instrument's `[Header]` is none.
+/// Whether a text is a JSON object, or an array of objects or arrays; an instrument's `[Header]` is
+/// not.
 fn is_json(text: &[u8]) -> bool {
     let mut marks = text.iter().filter(|byte| !byte.is_ascii_whitespace());
     matches!(
@@ -124,15 +125,15 @@ fn is_json(text: &[u8]) -> bool {
     )
 }
 
-/// Whether every other byte is a zero, as in Latin text of two bytes a letter.
+/// Whether every second byte is zero, as in Latin text with two bytes per letter.
 fn zeros_between(head: &[u8]) -> bool {
     let start = head.get(..64).unwrap_or(head);
     let zeros = |from: usize| start.iter().skip(from).step_by(2).all(|&byte| byte == 0);
     start.len() > 3 && (zeros(0) || zeros(1)) && start.iter().any(|&byte| byte != 0)
 }
 
-/// Share of bytes that no text holds, apart from the zeros that a logger leaves
-/// at the end when its power is cut.
+/// Fraction of bytes that no text contains, without the zeros that a logger leaves at the end after
+/// a power cut.
 fn control_share(bytes: &[u8]) -> f64 {
     let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     let bytes = bytes.get(..end).unwrap_or_default();
@@ -140,7 +141,7 @@ fn control_share(bytes: &[u8]) -> f64 {
     bytes.iter().filter(control).count() as f64 / bytes.len().max(1) as f64
 }
 
-/// The format by its first line that is no comment.
+/// The format, from the first line that is no comment.
 #[must_use]
 pub fn recognise(head: &[u8]) -> Format {
     let lines = head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
@@ -156,7 +157,7 @@ fn is_toa5(line: &[u8]) -> bool {
     line.strip_prefix(b"\"").unwrap_or(line).starts_with(b"TOA5")
 }
 
-/// Takes the header and finds the layout.
+/// Consumes the header and finds the layout.
 ///
 /// # Errors
 /// A header that cannot be used.
@@ -174,7 +175,7 @@ pub fn begin(
     Ok((Rows::new(lines, layout, metadata), head))
 }
 
-/// Header and columns of a text table; takes the lines above its first row.
+/// Header and columns of a text table; consumes the lines above its first row.
 fn table(
     lines: &mut Lines,
     metadata: &mut Metadata,

@@ -42,10 +42,10 @@ pub struct LogOptions {
 }
 
 impl LogOptions {
-    /// Refuses what a format has no use for.
+    /// Rejects options that a format cannot use.
     ///
     /// # Errors
-    /// Names the option, and the format that is asked for.
+    /// Names the option and the format.
     pub fn check(&self, format: Format) -> Result<(), InputError> {
         use Format::{Cr10, Csv, Floe, Toa5};
         let (is_csv, is_floe) = (format == Csv, format == Floe);
@@ -63,7 +63,7 @@ impl LogOptions {
             return Ok(());
         };
         let (of, this) = (of.name(), format.name());
-        // What a logger wrote is no text.
+        // A logger's own log is not text.
         let remedy = if is_floe { "" } else { &format!(", or give --format {of}") };
         Err(InputError::new(format!(
             "{option} is for a {of} log, and this is {this}: leave it out{remedy}"

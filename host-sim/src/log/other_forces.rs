@@ -1,4 +1,4 @@
-//! Forces beside the one that is read: the same one in another unit, or another one.
+//! Further columns of force: the same force in another unit, or another force.
 
 use crate::error::InputError;
 
@@ -6,15 +6,15 @@ use super::columns::Columns;
 use super::label::Label;
 use super::number::{Decimal, Unit, number};
 
-/// A conversion that was written with few digits is off by so much.
+/// Largest relative error of a conversion written with few digits.
 pub(super) const ROUGH: f64 = 1e-3;
 
 impl Columns<'_> {
-    /// What to say of other columns of force: the same one in another unit, as far as the first
-    /// rows show, or another one.
+    /// Notes on other columns of force: the same one in another unit, as far as the first rows
+    /// show, or another force.
     ///
     /// # Errors
-    /// It should be the same one and is not.
+    /// The forces should be equal and are not.
     pub fn other_forces(
         &self,
         force: usize,
@@ -45,11 +45,11 @@ impl Columns<'_> {
         others.map(note).collect()
     }
 
-    /// Says that the only column of force is read where its name says more: `force_std_n`, or nothing
-    /// but its unit, and other columns are there.
+    /// Notes that the only column of force is used although its name has further words
+    /// (`force_std_n`), or is only a unit while other columns exist.
     ///
     /// # Errors
-    /// What it says is a factor: `Force x 10 N`.
+    /// The name contains a factor: `Force x 10 N`.
     pub fn only_force(
         &self,
         force: usize,
@@ -70,7 +70,7 @@ impl Columns<'_> {
         }))
     }
 
-    /// How many rows say the same in both columns.
+    /// Number of rows with equal forces in both columns.
     fn compare(
         &self,
         (first, unit): (usize, Unit),
@@ -100,7 +100,7 @@ impl Columns<'_> {
     }
 }
 
-/// A force, and the step of its last digit, in newtons.
+/// A force and the step of its last digit, N.
 struct Force {
     newtons: f64,
     step_n: f64,

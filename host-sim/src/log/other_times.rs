@@ -1,4 +1,4 @@
-//! Times beside the one that is read: the same one in another unit.
+//! Further columns of time: the same time in another unit.
 
 use crate::error::InputError;
 
@@ -11,8 +11,7 @@ use super::stamp::TimeUnit;
 type Place = (usize, TimeUnit);
 
 impl Columns<'_> {
-    /// Refuses a time that stands there in another unit too, and does not run on alike in the
-    /// first rows.
+    /// Rejects a time if the same time in another unit does not advance equally in the first rows.
     ///
     /// # Errors
     /// Names both columns.
@@ -59,7 +58,7 @@ impl Columns<'_> {
     }
 }
 
-/// A time, and the step of its last digit, in seconds.
+/// A time and the step of its last digit, s.
 struct Moment {
     seconds: f64,
     step_s: f64,

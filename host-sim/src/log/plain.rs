@@ -1,6 +1,6 @@
-//! The usual row, quickly: decimal numbers between separators, without quotes, blanks,
-//! exponents or more digits than an `f64` holds exactly. Any other row is none of these
-//! and is read the long way, with the same result.
+//! Fast parser for the usual row: decimal numbers between separators, without quotes, blanks,
+//! exponents or more digits than an `f64` represents exactly. All other rows are left to the
+//! general parser, which gives the same results.
 
 use memchr::memchr3;
 
@@ -8,7 +8,7 @@ use super::layout::{Layout, TimeCells};
 use super::number::{Decimal, Unit};
 use super::stamp::TimeUnit;
 
-/// Where a plain row has its time, in seconds, and its force.
+/// Positions of time, in seconds, and force in a plain row.
 #[derive(Clone, Copy, Debug)]
 pub struct Plain {
     separator: u8,
@@ -21,18 +21,18 @@ pub struct Plain {
 /// A plain row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlainRow {
-    /// Its time, s.
+    /// Time, s.
     pub time_s: f64,
-    /// Its force, in the unit of the log.
+    /// Force in the unit of the log.
     pub force: f64,
-    /// Its bytes without the end of the line.
+    /// Number of bytes without the end of the line.
     pub bytes: usize,
-    /// Its bytes with it.
+    /// Number of bytes with the end of the line.
     pub length: usize,
 }
 
 impl Plain {
-    /// For a layout whose rows can be plain.
+    /// The parser for a layout whose rows can be plain.
     #[must_use]
     pub fn of(layout: &Layout) -> Option<Self> {
         let TimeCells::Number { cell: time, unit: TimeUnit::Second } = layout.time else {
@@ -41,7 +41,7 @@ impl Plain {
         let mark = match layout.decimal {
             Decimal::Point => b'.',
             Decimal::Comma => b',',
-            // The first number with a mark says which it is; no text holds this byte.
+            // The first number with a mark determines it; no text contains this byte.
             Decimal::Any => 0xFF,
         };
         let other = layout.record.is_some()
@@ -52,14 +52,14 @@ impl Plain {
         (!other && time != force).then_some(Self { separator, mark, width: width?, time, force })
     }
 
-    /// Whether it knows the decimal mark.
+    /// Whether the decimal mark is known.
     #[must_use]
     pub fn has_mark(&self) -> bool {
         self.mark != 0xFF
     }
 
-    /// The row that a text begins with; `None` if it is not a plain one, or goes on to within
-    /// eight bytes of the end of the text.
+    /// Parses the row at the beginning of a text; `None` if it is not plain, or ends within eight
+    /// bytes of the end of the text.
     #[must_use]
     pub fn read(&self, text: &[u8]) -> Option<PlainRow> {
         if text
@@ -93,14 +93,14 @@ impl Plain {
     }
 }
 
-/// Digits that any `f64` holds exactly, as it does the powers of ten below: one division
-/// then rounds correctly (Clinger 1990).
+/// Number of digits that every `f64` represents exactly, as it does the powers of ten below: a
+/// single division then rounds correctly (Clinger 1990).
 const MOST_DIGITS: usize = 15;
 const PLACES: [u64; 9] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
 const POWERS: [f64; MOST_DIGITS + 1] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 
-/// The number that a text begins with, and what is behind it.
+/// The number at the beginning of a text, and the rest.
 #[inline(always)]
 fn decimal(text: &[u8], mark: u8) -> Option<(f64, &[u8])> {
     let (negative, text) = match text {
@@ -123,7 +123,7 @@ fn decimal(text: &[u8], mark: u8) -> Option<(f64, &[u8])> {
     Some((if negative { -value } else { value }, rest))
 }
 
-/// Digits behind those of a mantissa, fifteen at most, and what is behind them.
+/// Appends digits to a mantissa, fifteen in total at most; returns the rest.
 #[inline(always)]
 fn digits(text: &[u8], mantissa: u64) -> Option<(u64, &[u8])> {
     let (mantissa, rest) = some_digits(text, mantissa)?;
@@ -134,7 +134,7 @@ fn digits(text: &[u8], mantissa: u64) -> Option<(u64, &[u8])> {
     (rest.len() - end.len() < 8).then_some((mantissa, end))
 }
 
-/// Eight of them at most.
+/// Appends up to eight digits.
 #[inline(always)]
 fn some_digits(text: &[u8], mantissa: u64) -> Option<(u64, &[u8])> {
     let (value, count) = up_to_eight(*text.first_chunk()?);
@@ -142,17 +142,17 @@ fn some_digits(text: &[u8], mantissa: u64) -> Option<(u64, &[u8])> {
     Some((mantissa, text.get(count..)?))
 }
 
-/// The digits that eight letters begin with, all at once: a byte of a word holds a letter, the
-/// first one the lowest.
+/// Value and number of the leading digits among eight letters, computed in parallel: each byte of a
+/// word contains a letter, the first one in the lowest byte.
 fn up_to_eight(letters: [u8; 8]) -> (u64, usize) {
     const EACH: u64 = 0x0101_0101_0101_0101;
     const TWO_OF_FOUR: u64 = 0x0000_00ff_0000_00ff;
     let word = u64::from_le_bytes(letters) ^ (EACH * 0x30);
-    // What was a digit is 0 to 9 now. Adding 0x76 takes anything else to 0x80 or beyond; what it
-    // carries goes to letters behind.
+    // Digits are 0 to 9 now. Adding 0x76 gives 0x80 or more for all other letters; carries affect
+    // later letters only.
     let others = (word.wrapping_add(EACH * 0x76) | word) & (EACH * 0x80);
     let count = others.trailing_zeros() / 8;
-    // Zeros in front; then neighbours make two digits, four, eight.
+    // Leading zeros are added; then neighbours are combined into two, four and eight digits.
     let word = word.checked_shl(64 - 8 * count).unwrap_or(0);
     let twos = word.wrapping_mul(10).wrapping_add(word >> 8);
     let (first_and_third, second_and_fourth) = (twos & TWO_OF_FOUR, (twos >> 16) & TWO_OF_FOUR);
@@ -170,7 +170,7 @@ mod tests {
 
     const TWO: Plain = Plain { separator: b';', mark: b'.', width: 3, time: 2, force: 0 };
 
-    /// Time and force of a row that others follow.
+    /// Time and force of a row that is followed by others.
     fn read(row: &str) -> Option<(f64, f64)> {
         let text = format!("{row}\n0;;0.000000\n");
         let row = TWO.read(text.as_bytes()).inspect(|it| assert_eq!(it.length, row.len() + 1))?;

@@ -1,4 +1,4 @@
-//! A rate that is given or said, against the time stamps.
+//! Compares a given or stated rate with the time stamps.
 
 use std::cmp::Ordering;
 
@@ -9,16 +9,16 @@ use super::clock::Clock;
 use super::rows::{Row, Rows};
 use super::timing::{RATES_HZ, Timing, median};
 
-/// Rows that show a rate.
+/// Smallest number of rows that determine a rate.
 const ENOUGH: usize = 32;
-/// Rates within this share of each other may be one clock's, as it is called and as it runs.
+/// Largest relative difference between the nominal and the actual rate of one clock.
 const NEAR: f64 = 0.02;
 
-/// Refuses a given rate with which samples would be taken for duplicates or gaps. Gives what to
-/// say of one with which many would be missing.
+/// Rejects a given rate with which samples would count as duplicates or gaps. Returns a warning for
+/// one with which many would be missing.
 ///
 /// # Errors
-/// It is far below the rate of the stamps, or near it and not the one that they keep.
+/// The rate is far below that of the stamps, or close to it and contradicted by them.
 pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<Option<String>, InputError> {
     const SURELY: f64 = 1.5;
     let Ok(found) = rows.layout().timing(head, None) else { return Ok(None) };
@@ -47,8 +47,8 @@ pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<Option<String>,
     )))
 }
 
-/// What to say of times of which some are left out evenly: the log does not tell whether their digits
-/// are too few or samples are lost.
+/// Warning for stamps that are skipped regularly: either they have too few digits, or samples are
+/// lost.
 #[must_use]
 pub fn left_out(timing: &Timing) -> Option<String> {
     let step = timing.shared?.step;
@@ -63,13 +63,13 @@ pub fn left_out(timing: &Timing) -> Option<String> {
     })
 }
 
-/// How many the samples of shared stamps are beside a rate: more than it has, or fewer in each
-/// stamp. Fewer in some of them are lost.
+/// Compares the samples per shared stamp with a rate: more than it allows, or fewer in each stamp.
+/// Fewer in some stamps are losses.
 #[allow(clippy::float_cmp)] // a stamp that is repeated is repeated exactly
 fn in_groups(found: &Timing, rate_hz: f64, head: &[Row]) -> Ordering {
-    /// Of the first and the last one a part may be missing.
+    /// Fewest groups, since the first and last may be incomplete.
     const ENOUGH: usize = 4;
-    /// What rounding leaves of a whole number.
+    /// Largest deviation from an integer that rounding causes.
     const ROUNDING: f64 = 0.01;
     let Some(shared) = found.shared else { return Ordering::Equal };
     let sizes = || head.chunk_by(|a, b| a.time_s == b.time_s).map(<[Row]>::len);
@@ -86,19 +86,19 @@ fn in_groups(found: &Timing, rate_hz: f64, head: &[Row]) -> Ordering {
     }
 }
 
-/// Whether stamps keep a rate of their own beside a near one: with that many lie off their
-/// samples, with their own fewer than half of these, and they keep it all the time. A clock that
-/// is set on the way does not. Stamps that stand twice evenly keep theirs.
+/// Whether stamps constantly keep their own rate instead of a near one: with the near one many are
+/// far from their samples, with their own fewer than half as many. A clock that was set during the
+/// log does not; regularly repeated stamps do.
 fn keeps_its_own(
     found: &Timing,
     near_hz: f64,
     head: &[Row],
     rows: &Rows,
 ) -> Result<bool, InputError> {
-    /// One row in so many off is where a drift begins to cost samples, not a stamp that came late;
-    /// tuned: more rows let smaller drifts pass.
+    /// One in this number of rows is off where drift begins to cost samples, in contrast to single
+    /// late stamps; tuned: more rows let smaller drifts pass.
     const MANY: usize = 20;
-    /// Rates that differ less are the same.
+    /// Largest relative difference of equal rates.
     const SAME: f64 = 1e-3;
     let is_near = (found.rate_hz / near_hz - 1.0).abs() < NEAR;
     if found.is_hardly_shared() {
@@ -115,7 +115,7 @@ fn keeps_its_own(
     Ok(off > (head.len() / MANY) as u64 && off > 2 * misfits(*found, head))
 }
 
-/// The rate over so many rows at a time, the middle one of all: no jump of the clock is in it.
+/// The median rate over blocks of rows, which excludes jumps of the clock.
 fn usual_hz(head: &[Row]) -> Option<f64> {
     const ROWS: usize = 64;
     let later = head.iter().skip(ROWS);
@@ -123,7 +123,7 @@ fn usual_hz(head: &[Row]) -> Option<f64> {
     median(spans_s.collect()).map(|span_s| ROWS as f64 / span_s)
 }
 
-/// Stamps that are not where their sample should be.
+/// Number of stamps that are far from their samples.
 fn misfits(timing: Timing, head: &[Row]) -> u64 {
     let mut clock = Clock::new(timing);
     for row in head {
@@ -132,8 +132,8 @@ fn misfits(timing: Timing, head: &[Row]) -> u64 {
     clock.misfits()
 }
 
-/// Refuses a rate in the log's metadata that its stamps contradict. Where it is only what the
-/// rate is called, gives the one that the stamps keep, and what to say of it.
+/// Rejects a rate in the log's metadata that the stamps contradict. If it is only the nominal rate,
+/// returns the actual one with a note.
 ///
 /// # Errors
 /// Names both lines.
@@ -167,7 +167,7 @@ pub fn of_stamps(head: &[Row], rows: &Rows) -> Result<Option<(f64, String)>, Inp
     )))
 }
 
-/// Refuses a rate that is none of 1 to 2000 Hz.
+/// Rejects a rate outside 1 to 2000 Hz.
 ///
 /// # Errors
 /// Names the rate.

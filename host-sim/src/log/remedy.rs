@@ -1,4 +1,4 @@
-//! What to do about a cell, or a line, that cannot be read.
+//! Remedies for cells or lines that cannot be read.
 
 use crate::error::{InputError, excerpt};
 
@@ -10,7 +10,7 @@ use super::stamp::TimeUnit;
 const CORRECT: &str = "correct the line or take it out";
 const FOOTER: &str = "if a footer or another log begins there, cut the log there";
 
-/// For a force. `is_alone`: there is no other cell in its row.
+/// Remedy for a force. `is_alone`: the row has no other cell.
 #[cold]
 #[must_use]
 pub fn of_force(cell: &[u8], unit: Unit, is_alone: bool) -> String {
@@ -35,7 +35,7 @@ pub fn of_force(cell: &[u8], unit: Unit, is_alone: bool) -> String {
     }
 }
 
-/// For a row of so many cells, which are too few or too many.
+/// Remedy for a row with too few or too many cells.
 #[cold]
 #[must_use]
 pub fn of_width(line: &[u8], cells: usize) -> String {
@@ -81,23 +81,23 @@ fn of_time(cell: &str) -> &'static str {
     }
 }
 
-/// Whether it is text without a digit: `Mean:`, `Channels`.
+/// Whether a cell is text without a digit: `Mean:`, `Channels`.
 fn is_words(cell: &str) -> bool {
     cell.starts_with(char::is_alphabetic) && !cell.bytes().any(|byte| byte.is_ascii_digit())
 }
 
-/// Whether there is nothing in it but digits and marks.
+/// Whether a cell contains digits and marks only.
 fn is_clock(cell: &str) -> bool {
     cell.bytes().all(|byte| byte.is_ascii_digit() || b":.,".contains(&byte))
 }
 
-/// A number with its unit: `62.5 ms`.
+/// Whether a cell is a number with its unit: `62.5 ms`.
 fn is_with_unit(cell: &str) -> bool {
     let unit = cell.trim_start_matches(|first: char| !first.is_alphabetic());
     unit.len() < cell.len() && !cell.contains(':') && TimeUnit::from_label(unit).is_some()
 }
 
-/// Whether a zone by its name is in it: `CET` at the end, `UTC+1`, `[Europe/Oslo]`.
+/// Whether a stamp contains the name of a zone: `CET` at the end, `UTC+1`, `[Europe/Oslo]`.
 fn names_zone(stamp: &str) -> bool {
     let word = stamp.rsplit(' ').next().unwrap_or_default();
     let is_zone = (3..=4).contains(&word.len()) && word.bytes().all(|b| b.is_ascii_uppercase());

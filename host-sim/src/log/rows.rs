@@ -17,27 +17,27 @@ use super::stamp::{DAY_S, TimeUnit};
 /// One row of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// The stamp, s.
+    /// Time stamp, s.
     pub time_s: f64,
-    /// What was measured.
+    /// Reading of the force.
     pub reading: Reading,
-    /// Records since the row before, at least 1, where the log numbers them.
+    /// Records since the previous row, at least 1, if the log numbers them.
     pub records: u32,
-    /// Its line.
+    /// Line number.
     pub line: u64,
 }
 
-/// A last line without an end that was left out, by its number.
+/// A last line without an end that was left out, with its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LastLine {
-    /// It is no row.
+    /// The line is not a row.
     CutOff(u64),
-    /// It is one, but shorter than the row before: a number at its end may go on.
+    /// The line is a row, but shorter than the previous one: its last number may be incomplete.
     MayGoOn(u64),
 }
 
 impl LastLine {
-    /// What is said of it.
+    /// Warning about the line.
     #[must_use]
     pub fn warning(self) -> String {
         match self {
@@ -52,37 +52,37 @@ impl LastLine {
     }
 }
 
-/// Reads row by row.
+/// Reads rows in sequence.
 #[derive(Debug)]
 pub struct Rows {
-    /// What comments have said so far.
+    /// Metadata from the comments so far.
     pub metadata: Metadata,
     lines: Lines,
     layout: Layout,
     plain: Option<Plain>,
     cells: Cells,
     last_time_s: f64,
-    /// The time of the row before the last, and the line of the last.
+    /// Time of the row before the last one, and line of the last one.
     before_s: f64,
     last_line: u64,
-    /// Midnights so far, for times of day that nothing dates.
+    /// Length of the days passed since the first row, s, for times of day without a date.
     days_s: f64,
     last_record: Option<f64>,
     truncated: Option<LastLine>,
-    /// Bytes of the last row's line.
+    /// Number of bytes in the last row's line.
     bytes: usize,
     count: u64,
-    /// Empty lines between rows that nothing but their order dates, and those since the last.
+    /// Number of empty lines between rows without times, and of those since the last row.
     left_out: u64,
     empty: u64,
-    /// Whether the first row's time is in UTC; `None` before that.
+    /// Whether the first row's time is UTC; `None` before it.
     utc: Option<bool>,
-    /// The first line whose time is an hour beyond where it should be.
+    /// The first line whose time is an hour later than expected.
     hour_on: Option<u64>,
 }
 
 impl Rows {
-    /// Continues behind the header.
+    /// Continues after the header.
     #[must_use]
     pub fn new(lines: Lines, layout: Layout, metadata: Metadata) -> Self {
         Self {
@@ -106,7 +106,7 @@ impl Rows {
         }
     }
 
-    /// The next row, `None` at the end or where the last line is, or may be, cut off.
+    /// The next row; `None` at the end, or if the last line is or may be cut off.
     ///
     /// # Errors
     /// A row that cannot be used, with its line number.
@@ -118,7 +118,7 @@ impl Rows {
         placed.map_err(|error| error.within(format_args!("line {line}")))
     }
 
-    /// The next row, which is not of the usual kind.
+    /// The next row by the general parser.
     #[inline(never)]
     fn next_odd_row(&mut self) -> Result<Option<Row>, InputError> {
         loop {
@@ -137,7 +137,7 @@ impl Rows {
                 Some(_) => self.layout.row(line.bytes, ended, &mut self.cells),
             };
             if result.is_err() && is_empty(line.bytes, self.layout.separator) {
-                // What a spreadsheet leaves of an empty row.
+                // An empty row of a spreadsheet.
                 continue;
             }
             if self.plain.is_none_or(|plain| !plain.has_mark())
@@ -171,7 +171,7 @@ impl Rows {
         }
     }
 
-    /// The next line, if it is a row of the usual kind.
+    /// The next row by the fast parser, if it is plain.
     fn plain_row(&mut self) -> Option<Row> {
         let plain = self.plain?.read(self.lines.ahead())?;
         let row = self.layout.plain_row(&plain)?;
@@ -179,19 +179,19 @@ impl Rows {
         Some(Row { line: self.lines.take(plain.length), ..row })
     }
 
-    /// A last line that was left out.
+    /// The last line, if it was left out.
     #[must_use]
     pub fn truncated(&self) -> Option<LastLine> {
         self.truncated
     }
 
-    /// Empty lines that may have been readings: rows on both sides that have no times.
+    /// Number of empty lines that may have been readings, between rows without times.
     #[must_use]
     pub fn left_out(&self) -> u64 {
         self.left_out
     }
 
-    /// A clock of the day, in no zone, that was set forward by an hour.
+    /// Warning about a time of day without a zone that was set forward by an hour.
     #[must_use]
     pub fn summer_time(&self) -> Option<String> {
         let time = self.layout.time;
@@ -203,7 +203,7 @@ impl Rows {
         ))
     }
 
-    /// Whether times are UTC: counted from 1970, or in a zone that the first row says.
+    /// Whether times are UTC: counted from 1970, or with a zone in the first row.
     #[must_use]
     pub fn is_utc(&self) -> bool {
         let since_1970 = TimeUnit::Epoch;
@@ -211,13 +211,13 @@ impl Rows {
             || self.utc.unwrap_or_default()
     }
 
-    /// Where the rows' cells are.
+    /// Layout of the rows.
     #[must_use]
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// Checks a row against the one before.
+    /// Checks a row against the previous one.
     #[inline]
     fn follow(&mut self, mut row: Row, record: Option<f64>) -> Result<Row, InputError> {
         if let TimeCells::Count { rate_hz } = self.layout.time {
@@ -226,7 +226,7 @@ impl Rows {
             self.empty = 0;
         }
         self.count += 1;
-        // A scan at the edge of a clock step may carry the step before.
+        // A scan at the edge of a clock step may have the previous step's stamp.
         let jitter_s = self.layout.resolution_s.filter(|&step| step < 1.0).unwrap_or(0.0);
         row.time_s += self.days_s;
         if self.passes_midnight(row.time_s) {
@@ -254,22 +254,22 @@ impl Rows {
         Ok(row)
     }
 
-    /// Whether a time of day that nothing dates has begun anew.
+    /// Whether a time of day without a date has passed midnight.
     fn passes_midnight(&self, time_s: f64) -> bool {
         let undated = matches!(self.layout.time, TimeCells::DateAndClock { date: None, .. });
         undated && self.last_time_s - time_s > 0.5 * DAY_S
     }
 }
 
-/// Whether a step is one hour more than one between samples, 1 s at most.
+/// Whether a step exceeds an interval between samples (1 s at most) by one hour.
 fn jumps_an_hour(step_s: f64) -> bool {
     (3599.5..3601.5).contains(&step_s)
 }
 
-/// Whether the time goes on as a time of day written as a number does behind 59 seconds, and behind
-/// 59 minutes: 12:59:59.9 and 13:00:00.0 as 125959.9 and 130000.0.
+/// Whether a number continues like a time of day after 59 seconds and 59 minutes: 12:59:59.9 and
+/// 13:00:00.0 written as 125959.9 and 130000.0.
 fn leaves_out_40(before_s: f64, after_s: f64) -> bool {
-    // The longest period of a sample, s.
+    // Longest sampling period, s.
     const LONGEST_S: f64 = 1.0;
     let step_s = after_s - before_s;
     let left_out = |seconds: f64| (0.0..=LONGEST_S).contains(&(step_s - seconds));
@@ -286,7 +286,8 @@ fn time_of_day(before_s: f64, after_s: f64) -> InputError {
     ))
 }
 
-/// The time goes on from the row before the last: the last one may be ahead.
+/// Error for times that continue from the row before the last one, so that the last one may be
+/// wrong.
 #[cold]
 fn runs_ahead(seconds: f64, line: u64) -> InputError {
     InputError::new(format!(

@@ -1,4 +1,4 @@
-//! The unit of the forces where their column does not say it: a comment, or a line above the rows.
+//! The unit of forces whose column does not state it: from a comment, or a line above the rows.
 
 use crate::error::InputError;
 
@@ -10,7 +10,7 @@ use super::number::{Unit, finite};
 use super::rows::Rows;
 use super::{LogOptions, comment::comment};
 
-/// A force without a unit is in N, unless its name or a line above holds another one.
+/// A force without a unit is in N, unless its name or a line above contains another unit.
 ///
 /// # Errors
 /// Names that unit.
@@ -29,10 +29,10 @@ pub fn assumed(header: &Header, column: usize) -> Result<(Unit, Vec<String>), In
     }
 }
 
-/// The unit that a comment says.
+/// The unit in a comment.
 ///
 /// # Errors
-/// It is none.
+/// The text is no unit.
 pub fn commented(said: &Said) -> Result<(Unit, Vec<String>), InputError> {
     let Said { key, value, line } = said;
     let unit = Unit::from_label(value).ok_or_else(|| {
@@ -44,7 +44,7 @@ pub fn commented(said: &Said) -> Result<(Unit, Vec<String>), InputError> {
     Ok((unit, Vec::new()))
 }
 
-/// The first of some lines that holds a unit of force other than N, and that unit.
+/// The first line that contains a unit of force other than N, and that unit.
 #[must_use]
 pub fn unit_above(lines: &[Content<'_>]) -> Option<(u64, String)> {
     lines.iter().find_map(|(number, line)| {
@@ -53,7 +53,7 @@ pub fn unit_above(lines: &[Content<'_>]) -> Option<(u64, String)> {
     })
 }
 
-/// Not the unit of a number, as in `Load cell: 5 kN`, nor one of a key, as in `mass_kg: 64`.
+/// A unit in a line, except that of a number (`Load cell: 5 kN`) or of a key (`mass_kg: 64`).
 fn unit_held(line: &str) -> Option<&str> {
     let end = line.trim_end_matches(|mark: char| mark.is_whitespace() || ",;".contains(mark));
     let value = end.rsplit([':', '=', ',', ';', '\t']).next().unwrap_or_default();
@@ -76,7 +76,7 @@ fn unit_held(line: &str) -> Option<&str> {
     None
 }
 
-/// Refuses a `# unit:` that the forces are not read in.
+/// Rejects a `# unit:` other than the unit in use.
 ///
 /// # Errors
 /// Names its line.

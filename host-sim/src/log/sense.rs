@@ -1,4 +1,4 @@
-//! What the value of a key may be, in a comment of a log and in a cell of `tests.csv` alike.
+//! Permitted values of a key, in a comment of a log and in a cell of `tests.csv`.
 
 use floe_firmware::notebook::{Kind, Track};
 
@@ -8,10 +8,10 @@ use crate::error::excerpt;
 /// The number of a key.
 ///
 /// # Errors
-/// It is none, or none that can be: what it has, and what to write.
+/// The text is no number, or an impossible one; the message contains the remedy.
 pub fn number(key: &str, text: &str) -> Result<f64, String> {
-    // A comma that leads cuts cells, and one before three digits may set thousands apart:
-    // neither is a decimal mark.
+    // A leading comma separates cells, and one before three digits may separate thousands: neither
+    // is a decimal mark.
     let other_comma = text.starts_with(',') || text.contains(',') && is_grouped(text.as_bytes());
     let number = finite(text.as_bytes()).filter(|_| !other_comma);
     let has = |what: &str| format!("has {}: {what}", excerpt(text.as_bytes()));
@@ -26,10 +26,10 @@ pub fn number(key: &str, text: &str) -> Result<f64, String> {
     }
 }
 
-/// The word of `kind` or `track`, whatever its letters' case.
+/// The word of `kind` or `track`, ignoring case.
 ///
 /// # Errors
-/// Another word: what it has, and which there are.
+/// Another word; the message contains the permitted ones.
 pub fn word(key: &str, text: &str) -> Result<String, String> {
     let words: Vec<&str> = match key {
         "kind" => Kind::ALL.iter().map(|(_, word)| *word).collect(),
@@ -42,7 +42,7 @@ pub fn word(key: &str, text: &str) -> Result<String, String> {
     })
 }
 
-/// The weight of a mass, N, where it is not the one that is said, but for what gravity differs by.
+/// The weight of a mass, N, if it differs from the stated one by more than variations of gravity.
 #[must_use]
 pub fn other_weight_n(weight_n: f64, mass_kg: f64) -> Option<f64> {
     const DIFFERS: f64 = 0.005;

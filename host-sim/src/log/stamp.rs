@@ -1,7 +1,7 @@
-//! Time stamps as seconds: numbers in some unit, dates, a logger's own forms.
+//! Time stamps as seconds: numbers in a unit, dates, forms of loggers.
 //!
-//! Calendar stamps become seconds since 1970 without leap seconds; an `f64` holds
-//! them to 0.3 µs. A stamp with a zone is turned to UTC, one without is taken as it is.
+//! Calendar stamps become seconds since 1970 without leap seconds; an `f64` resolves them to 0.3
+//! µs. A stamp with a zone is converted to UTC, one without is used unchanged.
 
 use time::{Date, Month};
 
@@ -9,7 +9,7 @@ use super::number::{Decimal, finite, number};
 use super::timing::RATES_HZ;
 use crate::error::InputError;
 
-/// Seconds of a day.
+/// Seconds in a day.
 pub const DAY_S: f64 = 86_400.0;
 const JULIAN_DAY_1970: i32 = 2_440_588;
 /// Day 0 of a spreadsheet's serial dates (1899-12-30), in days before 1970.
@@ -42,7 +42,7 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// The unit a column's name or units row states.
+    /// The unit in a column's name or units row.
     #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
         match label.trim().to_lowercase().as_str() {
@@ -72,13 +72,13 @@ impl TimeUnit {
         }
     }
 
-    /// Whether its stamps say the date.
+    /// Whether stamps of this form contain the date.
     #[must_use]
     pub fn is_calendar(self) -> bool {
         matches!(self, Self::Iso | Self::Epoch | Self::Excel)
     }
 
-    /// A cell as seconds.
+    /// A cell converted to seconds.
     #[must_use]
     pub fn seconds(self, cell: &[u8], decimal: Decimal) -> Option<f64> {
         let number = || number(cell, decimal).filter(|value| value.is_finite());
@@ -95,7 +95,7 @@ impl TimeUnit {
     }
 }
 
-/// The error for a rate that is none, with the unit in which it would be one.
+/// Error for an invalid rate, with the unit in which it would be valid.
 #[must_use]
 pub fn no_rate(rate_hz: f64) -> InputError {
     let units =
@@ -116,13 +116,13 @@ pub fn no_rate(rate_hz: f64) -> InputError {
     ))
 }
 
-/// Whether so many seconds, counted since 1970, lead to a day from 1995 to 2052.
+/// Whether seconds counted from 1970 give a day from 1995 to 2052.
 #[must_use]
 pub fn is_since_1970(seconds: f64) -> bool {
     (8e8..2.6e9).contains(&seconds)
 }
 
-/// Seconds from a count since 1970 whose unit shows in its size.
+/// Seconds from a count since 1970 in a unit inferred from its magnitude.
 fn epoch_seconds(value: f64) -> f64 {
     match value.abs() {
         0.0..1e11 => value,
@@ -132,9 +132,9 @@ fn epoch_seconds(value: f64) -> f64 {
     }
 }
 
-/// Date and time of day: `2012-02-29 12:00:00.0625`, with `T` or a blank between, `-`
-/// or `/` in the date, or as `29.02.2012` or `29-Feb-2012`; seconds may be left out, a zone,
-/// AM or PM may follow.
+/// Seconds from date and time of day: `2012-02-29 12:00:00.0625`, with `T` or a blank in between,
+/// `-` or `/` in the date, or as `29.02.2012` or `29-Feb-2012`; seconds may be missing, a zone, AM
+/// or PM may follow.
 #[must_use]
 pub fn date_time_seconds(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?.trim();
@@ -142,15 +142,15 @@ pub fn date_time_seconds(cell: &[u8]) -> Option<f64> {
     Some(date_s + clock_seconds(clock.trim())?)
 }
 
-/// The date of a stamp in seconds, and the text of the time of day behind it. Not every `T`
-/// parts them: October has one.
+/// Date of a stamp in seconds, and the text of the time of day after it. Not every `T` separates
+/// them, since October may contain one.
 #[must_use]
 pub fn date_and_clock(text: &str) -> Option<(f64, &str)> {
     let mut marks = text.match_indices([' ', 'T']);
     marks.find_map(|(at, _)| Some((date_seconds(text.get(..at)?)?, text.get(at + 1..)?)))
 }
 
-/// A date alone.
+/// Seconds from a date without a time of day.
 #[must_use]
 pub fn date_seconds(text: &str) -> Option<f64> {
     let mut parts = text.split(['-', '/', '.']);
@@ -158,7 +158,7 @@ pub fn date_seconds(text: &str) -> Option<f64> {
     let named = named_month(month);
     let last_is_year = text.contains('.') || named.is_some() && last.len() == 4;
     let (year, day) = if last_is_year { (last, first) } else { (first, last) };
-    // A year of two digits, or one that stands last behind slashes, could be a day.
+    // A year of two digits, or one at the end after slashes, could be a day.
     if parts.next().is_some() || year.len() != 4 {
         return None;
     }
@@ -170,7 +170,7 @@ pub fn date_seconds(text: &str) -> Option<f64> {
     Some(midnight_seconds(date))
 }
 
-/// `Feb`, whatever the case.
+/// A month by its short name, ignoring case.
 fn named_month(text: &str) -> Option<Month> {
     const NAMES: [&str; 12] =
         ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
@@ -178,7 +178,7 @@ fn named_month(text: &str) -> Option<Month> {
     Month::try_from(number as u8).ok()
 }
 
-/// A time of day, with an offset from UTC behind it taken off.
+/// Seconds from a time of day, with an offset from UTC subtracted.
 #[must_use]
 pub fn clock_seconds(text: &str) -> Option<f64> {
     let (clock, half) = half_of_day(text);
@@ -197,7 +197,7 @@ pub fn clock_seconds(text: &str) -> Option<f64> {
     (valid && time_s <= DAY_S).then_some(time_s - offset_s)
 }
 
-/// A time of day without AM or PM, and the hour at which that half of the day begins.
+/// A time of day without AM or PM, and the first hour of that half of the day.
 fn half_of_day(text: &str) -> (&str, Option<u8>) {
     let ends = |half: &str| {
         let at = text.len().checked_sub(half.len())?;
@@ -211,13 +211,13 @@ fn half_of_day(text: &str) -> (&str, Option<u8>) {
     }
 }
 
-/// Whether a zone stands behind a time of day.
+/// Whether a time of day is followed by a zone.
 #[must_use]
 pub fn has_zone(text: &str) -> bool {
     zone(text).is_some_and(|(clock, _)| clock.len() < text.len())
 }
 
-/// The time of day without its zone, and that zone's offset in seconds.
+/// A time of day without its zone, and the zone's offset, s.
 fn zone(text: &str) -> Option<(&str, f64)> {
     if let Some(clock) = text
         .strip_suffix(['Z', 'z'])
@@ -239,8 +239,8 @@ fn zone(text: &str) -> Option<(&str, f64)> {
     Some((clock, if sign == "-" { -seconds } else { seconds }))
 }
 
-/// A mixed-array stamp: year (also of two digits, from 1970), day of the year,
-/// hours and minutes as `hhmm` (2400 ends a day) and seconds.
+/// Seconds from a mixed-array stamp: year (also with two digits, from 1970), day of the year, hours
+/// and minutes as `hhmm` (2400 ends a day), and seconds.
 #[must_use]
 pub fn cr10_seconds(year: f64, day: f64, hhmm: f64, second: f64) -> Option<f64> {
     let hhmm = whole(hhmm, 2400.0)?;

@@ -1,20 +1,19 @@
-//! When a log was begun.
+//! Start time of a log.
 
 use time::OffsetDateTime;
 
-/// The moment at which a log's own time begins.
+/// Time at which the log's own time begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// Seconds since 1970, without leap seconds.
     pub unix_s: f64,
-    /// Whether that is UTC; otherwise the clock of whoever recorded it, in a zone that
-    /// nobody said.
+    /// Whether the time is UTC; otherwise it is in an unknown zone of the recording clock.
     pub is_utc: bool,
 }
 
 impl Start {
-    /// The moment so many seconds later as ISO 8601 to the millisecond, with a `Z` if it is
-    /// UTC; `None` beyond year 9999.
+    /// The time `seconds` later as ISO 8601 with milliseconds, with a `Z` if it is UTC; `None`
+    /// beyond year 9999.
     #[must_use]
     pub fn after(&self, seconds: f64) -> Option<String> {
         let milliseconds = ((self.unix_s + seconds) * 1e3).round() as i128;

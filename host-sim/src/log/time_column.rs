@@ -1,4 +1,4 @@
-//! The time of a text table: which column it is, and how it tells the time.
+//! Finds the time column of a text table and its form.
 
 use crate::error::InputError;
 use crate::rounding::counted;
@@ -13,17 +13,17 @@ use super::number::{Decimal, count_up, number};
 use super::stamp::{TimeUnit, clock_seconds, date_seconds, date_time_seconds, is_since_1970};
 use super::timing::RATES_HZ;
 
-/// Names that are taken before any other, in this order.
+/// Names that take precedence, in this order.
 const TIME_COLUMNS: [&str; 4] = ["time_s", "t_s", "time", "t"];
 
-/// Of a few rows that are wider, each holds a channel.
+/// Width up to which a few rows are normal; with wider rows each row may be a channel.
 const MOST_COLUMNS: usize = 32;
 
 impl Columns<'_> {
     /// The time column, if there is one.
     ///
     /// # Errors
-    /// Of the column that is named, or two of the name.
+    /// A problem of the given column, or two columns of the name.
     pub fn time(&self, options: &LogOptions) -> Result<Option<usize>, InputError> {
         if let Some(name) = &options.time_column {
             return self.header.column(name, "--time-column").map(Some);
@@ -49,12 +49,12 @@ impl Columns<'_> {
         find(&self.names, &self.names[place], "--time-column").map(|_| Some(place))
     }
 
-    /// Whether a column holds nothing in the first rows, as LabVIEW leaves the one of times.
+    /// Whether a column is empty in the first rows, as LabVIEW leaves that of times.
     fn is_empty(&self, place: usize) -> bool {
         !self.header.rows.is_empty() && self.cells(place).all(str::is_empty)
     }
 
-    /// A bare `t` or `T` may be a temperature: what says more of the time goes before it.
+    /// A column that describes the time better than a bare `t` or `T`, which may be a temperature.
     fn rather_than_t(&self, t: usize) -> Option<usize> {
         let says_unit = |label: &Label| label.is_time() && label.is_in_time();
         self.labels
@@ -64,7 +64,7 @@ impl Columns<'_> {
             .filter(|&place| place != t)
     }
 
-    /// The only column in a unit of time, whatever it is called.
+    /// The only column with a unit of time, under any name.
     fn only_in_time_units(&self) -> Option<usize> {
         let in_time = |&i: &usize| self.stated(i).any(|unit| TimeUnit::from_label(unit).is_some());
         let is_force = |&i: &usize| self.labels.get(i).is_some_and(Label::is_force);
@@ -73,7 +73,7 @@ impl Columns<'_> {
         places.next().filter(|_| places.next().is_none())
     }
 
-    /// Refuses a time that is spread over columns: hours, minutes and seconds apart.
+    /// Rejects a time in several columns for hours, minutes and seconds.
     fn refuse_parts(&self) -> Result<(), InputError> {
         const HOURS: [&str; 10] =
             ["h", "hh", "hhmm", "hour", "hours", "stunde", "ss", "year", "yyyy", "doy"];
@@ -94,7 +94,7 @@ impl Columns<'_> {
         )))
     }
 
-    /// The only column of dates with times of day: the time, whatever it is called.
+    /// The only column of dates with times of day, under any name: it is the time.
     fn of_dates(&self) -> Option<usize> {
         let is_dated = |&place: &usize| {
             let mut cells = self.header.cells(place).filter(|cell| !cell.is_empty()).peekable();
@@ -104,7 +104,7 @@ impl Columns<'_> {
         dated.next().filter(|_| dated.next().is_none())
     }
 
-    /// Two columns are time and force, one is the force.
+    /// The time column without a header: of two columns the first, of one none.
     fn time_without_header(&self, options: &LogOptions) -> Result<Option<usize>, InputError> {
         match self.header.width {
             1 => Ok(None),
@@ -123,7 +123,7 @@ impl Columns<'_> {
         }
     }
 
-    /// Refuses a first column of two that goes up and down, as forces do and times do not.
+    /// Rejects a first column of two that rises and falls, as forces do and times do not.
     fn refuse_up_and_down(&self) -> Result<(), InputError> {
         const STEPS: usize = 3;
         let values = self.values(0, Decimal::Any);
@@ -139,10 +139,10 @@ impl Columns<'_> {
         ))
     }
 
-    /// How the time column tells the time.
+    /// Form of the time column.
     ///
     /// # Errors
-    /// Units that contradict each other, or one that is not known.
+    /// Units that contradict each other, or an unknown one.
     pub fn time_cells(
         &self,
         column: usize,
@@ -176,7 +176,7 @@ impl Columns<'_> {
         Ok(TimeCells::Number { cell: column, unit })
     }
 
-    /// A column in a unit of time may count from 1970.
+    /// Whether a column with a unit of time counts from 1970.
     fn since_1970(&self, column: usize, unit: TimeUnit, decimal: Decimal) -> Option<TimeUnit> {
         let first = self.header.cells(column).next()?;
         let counts = unit != TimeUnit::Minute
@@ -184,7 +184,7 @@ impl Columns<'_> {
         counts.then_some(TimeUnit::Epoch)
     }
 
-    /// A time of day without a date, or with one in a column of its own.
+    /// A time of day without a date, or with the date in another column.
     fn clock(&self, column: usize, cell: &str) -> Option<Result<TimeCells, InputError>> {
         let first = |place: usize| self.header.cells(place).next().unwrap_or_default();
         let is_date = |place: &usize| date_seconds(first(*place)).is_some();
@@ -203,8 +203,8 @@ impl Columns<'_> {
         clock.then(|| Ok(TimeCells::DateAndClock { date: others.find(is_date), clock: column }))
     }
 
-    /// Seconds, unless the numbers can only be a date: counted since 1970, or in days
-    /// with steps that would be far too short for seconds.
+    /// Seconds, unless the numbers can only be dates: counted since 1970, or days with steps far
+    /// too short for seconds.
     fn unit_by_size(&self, column: usize, decimal: Decimal) -> Result<TimeUnit, InputError> {
         let values = self.values(column, decimal);
         let Some(first) = values.first().copied() else { return Ok(TimeUnit::Second) };
@@ -229,8 +229,8 @@ impl Columns<'_> {
         self.cells(column).filter_map(|cell| number(cell.as_bytes(), decimal)).collect()
     }
 
-    /// Whether a column may tell the time, as far as the first rows show: no text, nor numbers that
-    /// stand still, fall or count the rows.
+    /// Whether a column may be the time by its first rows: no text, and no numbers that are
+    /// constant, fall or count the rows.
     fn runs_on(&self, column: usize) -> bool {
         let values = self.values(column, Decimal::Any);
         let (first, last) = (values.first(), values.last());
@@ -240,15 +240,15 @@ impl Columns<'_> {
         are_values && (values.is_empty() || goes_on) && !self.numbers_rows(column, Decimal::Any)
     }
 
-    /// Whether a column may number the rows, as far as the first ones show.
+    /// Whether a column may number the rows, by the first ones.
     pub(super) fn numbers_rows(&self, column: usize, decimal: Decimal) -> bool {
         let values = self.values(column, decimal);
         let whole = values.first().is_some_and(|first| first.fract().abs() < 1e-9);
         whole && values.len() > 3 && count_up(&values)
     }
 
-    /// Refuses a count from another year than 1970, or of another unit, and days that are not those
-    /// of a spreadsheet.
+    /// Rejects counts from another year than 1970 or in another unit, and days other than a
+    /// spreadsheet's.
     fn dated(
         &self,
         column: usize,
@@ -272,14 +272,14 @@ impl Columns<'_> {
         )))
     }
 
-    /// Whether nothing says the unit of a time that is taken as seconds.
+    /// Whether the unit of a time assumed to be in seconds is unstated.
     #[must_use]
     pub fn seconds_unsaid(&self, time: TimeCells, options: &LogOptions) -> bool {
         let TimeCells::Number { cell, unit: TimeUnit::Second } = time else { return false };
         options.time_unit.is_none() && self.stated(cell).next().is_none()
     }
 
-    /// Says that a time has no unit, where it is in whole numbers, or may as well be in minutes.
+    /// Note on a time without a unit, if it has integers only or may be in minutes.
     #[must_use]
     pub fn assumed_seconds(&self, time: TimeCells, options: &LogOptions) -> Option<String> {
         let TimeCells::Number { cell, .. } = time else { return None };
@@ -318,7 +318,7 @@ impl Columns<'_> {
     }
 }
 
-/// `T [°C]`: called like a time, in a unit that is none of time.
+/// Whether a label such as `T [°C]` has the name of a time with another unit.
 fn is_temperature(label: &Label) -> bool {
     label.quantity == "t" && label.unit.is_some() && !label.is_in_time()
 }

@@ -1,8 +1,8 @@
-//! The sampling rate behind the time stamps at the beginning of a log.
+//! The sampling rate, from the time stamps at the beginning of a log.
 //!
-//! Stamps are *fine* when every sample has its own, *shared* when several
-//! samples carry the same one because the clock is coarser than the sampling
-//! (a CR10 at 16 Hz resolves 0.125 s: two scans a stamp).
+//! Stamps are *fine* if every sample has its own, *shared* if several samples have the same one
+//! because the clock is coarser than the sampling (a CR10 at 16 Hz resolves 0.125 s: two scans per
+//! stamp).
 
 use crate::error::InputError;
 
@@ -12,49 +12,49 @@ use super::groups::shared;
 use super::rows::Row;
 use super::stamp::no_rate;
 
-/// Used when the stamps cannot tell.
+/// Rate used if the stamps do not determine it.
 pub const DEFAULT_RATE_HZ: f64 = 16.0;
-/// Lowest and highest rate that is taken.
+/// Lowest and highest accepted rate.
 pub const RATES_HZ: std::ops::RangeInclusive<f64> = 1.0..=2000.0;
 
-/// Rows with the stamp of the row before, as a share, from which on stamps are shared and not
+/// Fraction of rows with the stamp of the previous row from which stamps count as shared instead of
 /// repeated by mistake.
 const SHARED_FROM: f64 = 0.05;
 
-/// How stamps and samples go together.
+/// Relation of stamps and samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
     /// Samples per second.
     pub rate_hz: f64,
     /// Time of the first sample, s.
     pub start_s: f64,
-    /// Set when samples share stamps.
+    /// Properties of shared stamps, if samples share stamps.
     pub shared: Option<Shared>,
 }
 
 impl Timing {
-    /// Whether a stamp stands twice now and then because samples come a little faster than its last
-    /// digit goes up.
+    /// Whether a stamp is repeated occasionally because samples come slightly faster than its last
+    /// digit advances.
     #[must_use]
     pub fn is_hardly_shared(&self) -> bool {
         self.shared.is_some_and(|it| it.step > 1.0 && it.step * (1.0 - SHARED_FROM) < 1.0)
     }
 }
 
-/// Samples that share a stamp, or have one that is rounded by half a period.
+/// Stamps shared by samples, or rounded by half a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shared {
-    /// Step of the stamps in sampling periods.
+    /// Step of the stamps, in sampling periods.
     pub step: f64,
-    /// Mean of stamp minus time of the sample, in sampling periods.
+    /// Mean of stamp minus sample time, in sampling periods.
     pub centre: f64,
 }
 
-/// Finds the timing; `rate_hz` if the user or the log states it, `resolution_s`
-/// if the format is known to have coarse stamps, `unit_s` the unit in which they are written.
+/// Determines the timing; `rate_hz` if the user or the log states it, `resolution_s` if the format
+/// has coarse stamps, `unit_s` the unit of the stamps.
 ///
 /// # Errors
-/// The time stands still, its stamps do not tell the rate, or the rate is out of [`RATES_HZ`].
+/// The time stands still, the stamps do not determine the rate, or the rate is out of [`RATES_HZ`].
 pub fn find(
     rows: &[Row],
     rate_hz: Option<f64>,
@@ -78,8 +78,7 @@ pub fn find(
     Err(no_rate(timing.rate_hz))
 }
 
-/// Every stamp is the same: right for a single sample or for coarse stamps, and
-/// no log otherwise.
+/// Timing if every stamp is equal: valid for a single sample or for coarse stamps only.
 fn standing(
     rows: &[Row],
     start_s: f64,
@@ -107,8 +106,8 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(middle).copied()
 }
 
-/// Whether several samples have the same stamp. In rows that are there twice the reading never
-/// changes within a stamp; a force that rests does not tell.
+/// Whether several samples share a stamp. In repeated rows the reading never changes within a
+/// stamp; a constant force does not decide.
 #[allow(clippy::float_cmp)] // a stamp that is repeated is repeated exactly
 fn are_shared(rows: &[Row], are_coarse: bool) -> bool {
     let [mut repeated, mut changes, mut both] = [0.0; 3];

@@ -10,17 +10,16 @@ use super::layout::{Layout, TimeCells};
 use super::number::{Decimal, Unit};
 use super::stamp::TimeUnit;
 
-/// Name of the table in a test whose logger knew no date.
+/// Name of the table for a test whose logger did not know the date.
 pub const UNDATED: &str = "pull_undated";
 
 /// Finds the columns in the second and third header line: names and units.
 ///
-/// Without `--column` it is `force_n`, `force_kn` or the only column whose unit
-/// is one of force.
+/// Without `--column` it is `force_n`, `force_kn` or the only column with a unit of force.
 ///
 /// # Errors
-/// A column that is not there, a unit that is not one of force, a units row that is
-/// too short, units that contradict each other.
+/// A missing column, a unit that is not one of force, a units row that is too short, units that
+/// contradict each other.
 pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
     let names = texts(names, b',');
     let units = texts(units, b',');
@@ -60,7 +59,7 @@ pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout
     })
 }
 
-/// No label means newtons, as for a named column of a CSV file.
+/// The unit of a label; none means newtons, as for a named column of a CSV file.
 fn unit(label: &str) -> Option<Unit> {
     if label.is_empty() { Some(Unit::Newton) } else { Unit::from_label(label) }
 }

@@ -1,4 +1,4 @@
-//! Units that stand in the rows, in a column of their own: `Force,Unit,Time (s)` and `7.94,N,0.0`.
+//! Units in a column of the rows: `Force,Unit,Time (s)` and `7.94,N,0.0`.
 
 use crate::error::{InputError, excerpt};
 
@@ -7,20 +7,20 @@ use super::header::{Kind, kind};
 use super::label::{Label, is_foreign};
 use super::number::{Unit, finite};
 
-/// What such a column is called.
+/// Names of such a column.
 const NAMES: [&str; 4] = ["unit", "units", "einheit", "force unit"];
 
 impl Columns<'_> {
-    /// The unit that the column right behind one says, where that is a unit of force.
+    /// The unit of force in the column directly after one.
     #[must_use]
     pub fn force_unit_behind(&self, column: usize) -> Option<Unit> {
         self.cells(self.behind(column)?).find_map(Unit::from_label)
     }
 
-    /// What the first rows say of the force's unit: behind it, or in the only such column.
+    /// The unit of the force in the first rows: in the next column, or in the only column of units.
     ///
     /// # Errors
-    /// They say several units.
+    /// The rows contain several units.
     pub fn unit_in_rows(&self, force: usize) -> Result<Option<&str>, InputError> {
         let mut all = (0..self.header.width).filter(|&at| self.holds_units(at));
         let only = all.next().filter(|_| all.next().is_none());
@@ -39,7 +39,7 @@ impl Columns<'_> {
         }
     }
 
-    /// The columns whose unit may be the one that stands behind the last of them.
+    /// The columns whose unit may be the one after the last of them.
     #[must_use]
     pub fn with_unit_behind(&self, last: usize) -> Vec<usize> {
         let mut columns: Vec<usize> =
@@ -48,8 +48,8 @@ impl Columns<'_> {
         columns
     }
 
-    /// Whether a column may be the force as far as its name and its first rows say: numbers without a
-    /// unit, which do not count the rows.
+    /// Whether a column may be the force by its name and first rows: numbers without a unit that do
+    /// not count the rows.
     #[must_use]
     pub fn is_bare(&self, column: usize) -> bool {
         let is_time = self.labels.get(column).is_some_and(Label::is_time);
@@ -66,7 +66,7 @@ impl Columns<'_> {
         Some(column + 1).filter(|&next| self.holds_units(next))
     }
 
-    /// By its name, or by what is in it, whatever it is called.
+    /// Whether a column contains units, by its name or its cells.
     fn holds_units(&self, column: usize) -> bool {
         let name = self.labels.get(column).map(|label| label.quantity.as_str());
         let mut cells = self.cells(column).peekable();

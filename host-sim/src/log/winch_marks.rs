@@ -1,21 +1,21 @@
-//! What somebody beside the winch said of it: from when on it turned, or was held.
+//! Marks of the winch by a person next to it: the times from which it turned or was held.
 //!
-//! In a log `# winch_marks_s: held 60.25, moving 75.5`, seconds of its own time; on the board's card
-//! one `W` line each.
+//! In a log they are `# winch_marks_s: held 60.25, moving 75.5`, in seconds of its own time; on the
+//! board's card one `W` line each.
 
 use floe_firmware::line::Line;
 use floe_firmware::notebook::{Winch, from_word, word};
 
-/// From a moment on.
+/// A mark, valid from its time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WinchMark {
-    /// In the log's own time.
+    /// Time in the log's own time, s.
     pub from_s: f64,
-    /// The winch turns; else it is held.
+    /// Whether the winch turns; otherwise it is held.
     pub turns: bool,
 }
 
-/// The marks of a text like `held 60.25, moving 75.5`.
+/// The marks in a text such as `held 60.25, moving 75.5`.
 pub(super) fn parse(text: &str) -> Result<Vec<WinchMark>, String> {
     let mut words = text.split_whitespace();
     let mut marks: Vec<WinchMark> = Vec::new();
@@ -36,7 +36,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<WinchMark>, String> {
     Ok(marks)
 }
 
-/// The comment for what the board said; nothing if it said nothing of the winch.
+/// The comment with the marks in the board's lines; empty without marks.
 pub(crate) fn comment(lines: &str, rate_hz: f32) -> String {
     let mark = |line| match Line::parse(line) {
         Ok(Line::Mark { index, winch }) => {

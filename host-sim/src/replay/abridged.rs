@@ -1,9 +1,9 @@
-//! Lists of sentences of any length, short enough to stand above a result.
+//! Long lists of sentences, cut short so that a result that follows is still in view.
 
-/// Sentences that stand there.
+/// Sentences of a list that are printed.
 const SHOWN: usize = 10;
 
-/// The sentences about the first ones, and how many more there are.
+/// The sentences about the first items, then one line with the number of the others.
 pub fn abridged<T>(all: &[T], sentence: impl Fn(&T) -> String) -> impl Iterator<Item = String> {
     let more = all.len().saturating_sub(SHOWN);
     let rest = (more > 0).then(|| format!("and {more} more; floe replay --json lists them all"));

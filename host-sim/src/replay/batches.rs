@@ -1,22 +1,22 @@
-//! Reading ahead on a thread of its own, a batch of samples at a time.
+//! Reads a log ahead on a second thread, in batches of samples.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use crate::error::InputError;
 use crate::log::{Log, Sample};
 
-/// Samples handed over at once: enough that the hand-over costs nothing.
+/// Samples handed over at once: enough that the cost of the hand-over is negligible.
 const BATCH: usize = 4096;
 /// Batches read ahead; bounds the memory.
 const AHEAD: usize = 4;
 
 type Batch = Result<Vec<Sample>, InputError>;
 
-/// Gives every sample of a log to `take` while the log is read on beside it; a log of one
-/// batch takes no thread.
+/// Passes every sample of a log to `take` while a second thread reads on; a log of less than one
+/// batch needs no thread.
 ///
 /// # Errors
-/// A line of the log that cannot be used; the samples before it were given.
+/// A line of the log cannot be used; the samples before it have been passed on.
 pub fn for_each_sample(log: &mut Log, mut take: impl FnMut(Sample)) -> Result<(), InputError> {
     let mut first = Vec::with_capacity(BATCH);
     let end = fill(log, &mut first);
@@ -40,7 +40,7 @@ fn send_all(log: &mut Log, sender: &SyncSender<Batch>) {
     loop {
         let mut batch = Vec::with_capacity(BATCH);
         let end = fill(log, &mut batch);
-        // Nobody listens any more after an error: then there is nothing to do.
+        // After an error the receiver is gone and nothing is left to do.
         let goes_on = batch.len() == BATCH && end.is_ok();
         if sender.send(Ok(batch)).is_err() || !goes_on {
             if let Err(error) = end {

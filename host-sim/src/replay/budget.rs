@@ -6,34 +6,34 @@ use serde::Serialize;
 use super::result::{known, short_or_null};
 use crate::rounding::own_digits;
 
-/// An input, how well it is known, and what that does to the means.
+/// An input of a test, its uncertainty, and the effect of that uncertainty on both means.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BudgetLine {
-    /// `weight_n`, `slope_rad`, `zero_n`, `span`, `damping`, `winch_m_per_s`, `zero_drift_n`,
-    /// `weight_ratio` or `shared`.
+    /// Name of the input: `weight_n`, `slope_rad`, `zero_n`, `span`, `damping`, `winch_m_per_s`,
+    /// `zero_drift_n`, `weight_ratio` or `shared`.
     pub input: &'static str,
-    /// Its value; `None` where it has none or is not known.
+    /// Value of the input; `None` where it has none or is not known.
     #[serde(with = "short_or_null")]
     pub value: Option<f64>,
-    /// Its standard deviation, in its own unit; `None` where the input is not known.
+    /// Standard deviation in the unit of the input; `None` where the input is not known.
     #[serde(with = "short_or_null")]
     pub std: Option<f64>,
-    /// What was stated, where the slips show that `std` is more.
+    /// The stated standard deviation, where the slips show that the true one, `std`, is larger.
     #[serde(skip)]
     pub stated_std: Option<f64>,
-    /// What it does to `mu_s`.
+    /// Effect on `mu_s`.
     pub mu_s: BudgetShare,
-    /// What it does to `mu`.
+    /// Effect on `mu`.
     pub mu: BudgetShare,
 }
 
-/// What an input does to one mean.
+/// Effect of one input on one mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BudgetShare {
-    /// Change of the coefficient with the input.
+    /// Derivative of the coefficient with respect to the input.
     #[serde(with = "short_or_null")]
     pub sensitivity: Option<f64>,
-    /// One standard deviation of the coefficient because of it.
+    /// Standard deviation of the coefficient due to this input.
     #[serde(with = "short_or_null")]
     pub contribution: Option<f64>,
 }
@@ -45,7 +45,7 @@ pub fn lines(config: &Config, report: &Report) -> Vec<BudgetLine> {
 }
 
 impl BudgetLine {
-    /// What a person should know of it.
+    /// The remark for a reader: a stated value that was widened.
     #[must_use]
     pub fn remark(&self) -> Option<String> {
         let stated = self.stated_std.map(own_digits)?;
@@ -65,7 +65,7 @@ fn line(entry: Entry, config: &Config) -> BudgetLine {
         input: name(entry.input),
         value: known(entry.value),
         std: known(entry.std).filter(|_| !is_unknown),
-        // A hundredth more would not be seen.
+        // A difference below 1 % would not show.
         stated_std: known(stated.filter(|&stated| entry.std > Some(1.01 * stated))),
         mu_s,
         mu,

@@ -1,4 +1,4 @@
-//! What makes a reader ask whether the log and what is said of it belong together.
+//! Reasons to doubt that the log and the given numbers belong together.
 
 use floe_core::{Config, Counters, Report};
 
@@ -8,14 +8,15 @@ use super::quantities::Quantities;
 use crate::log::Log;
 use crate::rounding::plus_minus;
 
-/// Static coefficients beyond these are hardly friction of anything on ice.
+/// Plausible static coefficients on ice; a value outside them suggests a wrong unit or weight.
 const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
-/// Slips that follow each other within fewer samples may be made of those of several.
+/// Recurrence in samples below which a slip may be an alias of several faster ones.
 const FAST: f64 = 16.0;
-/// Stiffnesses that differ less may be those of a cable that sags and flops, which `sag_flop` shows.
+/// Relative difference of the two stiffnesses below which a cable that sags and flops, which
+/// `sag_flop` shows, may explain it.
 const OTHER_STIFFNESS: f64 = 0.07;
 
-/// One sentence each, for a test whose cable `sags` or not.
+/// The doubts, one sentence each; `sags`: whether the cable sags.
 #[must_use]
 pub fn doubts(
     log: &Log,
@@ -26,7 +27,7 @@ pub fn doubts(
     let doubts = [
         no_friction(log, config, report),
         alias(log, config, report),
-        // A cable that sags has two.
+        // A cable that sags has two stiffnesses.
         other_stiffness(config, report).filter(|_| !sags),
     ];
     let doubts = doubts.into_iter().flatten();
@@ -59,7 +60,7 @@ fn range(config: &Config) -> String {
 
 /// No slip gives a coefficient, and many samples are saturated.
 fn cut_off(config: &Config, report: &Report) -> Option<String> {
-    /// One sample in so many.
+    /// Share of saturated samples that is reported: one in 100.
     const MANY: u32 = 100;
     let Counters { samples, saturated, .. } = report.counters;
     let many = saturated > 0 && saturated >= samples / MANY;
@@ -72,7 +73,7 @@ fn cut_off(config: &Config, report: &Report) -> Option<String> {
     })
 }
 
-/// Forces of another order than the weight.
+/// The static coefficient is implausible: force and weight differ by orders of magnitude.
 fn no_friction(log: &Log, config: &Config, report: &Report) -> Option<String> {
     let mu_s = report.mu_s?.mean;
     if FRICTION.contains(&mu_s.abs()) {
@@ -85,7 +86,7 @@ fn no_friction(log: &Log, config: &Config, report: &Report) -> Option<String> {
     ))
 }
 
-/// The winch's speed and the weight contradict each other.
+/// The stiffnesses from the winch speed and from the weight contradict each other.
 fn other_stiffness(config: &Config, report: &Report) -> Option<String> {
     let quantities = Quantities::new(config, report);
     let (ratio, std) = quantities.stiffness_ratio.zip(quantities.stiffness_ratio_std)?;
@@ -99,7 +100,7 @@ fn other_stiffness(config: &Config, report: &Report) -> Option<String> {
     })
 }
 
-/// Slips that may be made of the samples of faster ones, where no speed of the winch tells.
+/// Slips that may be aliases of faster ones, where the speed of the winch is not known.
 fn alias(log: &Log, config: &Config, report: &Report) -> Option<String> {
     let samples = f64::from(report.recurrence_s?) * log.rate_hz();
     (config.winch_m_per_s.is_none() && report.mu_s.is_some() && samples < FAST).then(|| {

@@ -4,15 +4,15 @@ use std::io::{self, Write};
 
 use super::events::Events;
 
-/// Writes all of them below the names of their columns.
+/// Writes all events below a line of column names.
 ///
 /// # Errors
-/// `out` cannot be written, or the events not be read.
+/// `out` cannot be written, or the events cannot be read.
 pub fn write(events: &Events, out: &mut impl Write) -> io::Result<()> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
     writer.write_record(COLUMNS)?;
     events.for_each(|mut event| {
-        // Two empty cells, not one.
+        // An interval that is missing takes two empty cells.
         for interval in [&mut event.mu_s_ci95, &mut event.mu_ci95] {
             interval.get_or_insert([f64::NAN; 2]);
         }

@@ -1,4 +1,5 @@
-//! What the caller gives against what the log says of the same: the caller's counts, and that is said.
+//! Numbers of the caller against those of the log: the caller's is used, and each difference
+//! reported.
 
 use clap::ValueEnum;
 use floe_core::{Calibration, Config};
@@ -8,25 +9,25 @@ use crate::log::{Log, STANDARD_GRAVITY, Unit};
 use super::input::Input;
 use super::known::KnownOptions;
 
-/// Weights and speeds within this share of each other are the same: gravity is, from place to
-/// place, and a speed is hardly known better.
+/// Relative difference up to which weights and speeds count as equal: gravity varies by as much
+/// from place to place, and a speed is hardly known better.
 const SAME: f64 = 0.005;
-/// All else within what single precision rounds.
+/// Relative difference up to which all other numbers count as equal: the rounding of an `f32`.
 const EQUAL: f64 = 1e-6;
 
-/// A number that is used, and what the log says of it.
+/// A number in use, and the number of the log for the same quantity.
 struct Used {
-    /// The log's word for it.
+    /// Key of the quantity in the log.
     key: &'static str,
-    /// The log's number, in the unit of the one used.
+    /// The log's number, in the unit of `used`.
     said: Option<f64>,
-    /// What it is, the number and its unit.
+    /// Name of the quantity in the sentence.
     what: &'static str,
     used: Option<f32>,
     unit: &'static str,
-    /// Decimals to show; none: all there are.
+    /// Decimals to print; `None`: all digits.
     decimals: Option<usize>,
-    /// The share of each other within which both are the same.
+    /// Relative difference up to which both numbers count as equal.
     same: f64,
 }
 
@@ -41,7 +42,7 @@ const WEIGHT: Used = Used {
     same: SAME,
 };
 
-/// One sentence for each number of the log in whose place another one is used.
+/// One sentence for each number of the log that another one replaces.
 #[must_use]
 pub fn instead(log: &Log, config: &Config, known: &KnownOptions) -> Vec<String> {
     let of_test = block(log, config).into_iter().chain(pull(log, config));
@@ -50,7 +51,7 @@ pub fn instead(log: &Log, config: &Config, known: &KnownOptions) -> Vec<String> 
     of_test.chain(others).chain(calibration(log, &config.calibration)).collect()
 }
 
-/// How well a speed is known that nobody says.
+/// A standard deviation of the winch speed that has no effect, since the speed is not known.
 fn without_winch(log: &Log, config: &Config, known: &KnownOptions) -> Option<String> {
     let inputs = known.inputs(&log.metadata().known);
     let std = inputs.iter().find(|input| input.key == "winch_std_m_per_s")?;
@@ -58,7 +59,7 @@ fn without_winch(log: &Log, config: &Config, known: &KnownOptions) -> Option<Str
     Some(format!("{} is not used without the speed of the winch: --winch-m-per-s V", std.key))
 }
 
-/// The same of a calibration.
+/// One sentence for each number of the log's calibration that another one replaces.
 #[must_use]
 pub fn calibration(log: &Log, calibration: &Calibration) -> Vec<String> {
     let said = log.metadata();
@@ -84,14 +85,14 @@ pub fn calibration(log: &Log, calibration: &Calibration) -> Vec<String> {
     both.filter_map(|it| it.sentence(log)).collect()
 }
 
-/// What presses the block, and what it weighs.
+/// The force that presses the block onto the ice, and its mass or weight.
 fn block(log: &Log, config: &Config) -> Vec<Used> {
     let said = log.metadata();
     let used = Some(config.weight_n);
     let normal =
         Used { key: "normal_n", said: said.normal_n, what: "normal force", used, ..WEIGHT };
     if config.mass_kg.is_some() {
-        // Under the ice the weight presses nothing.
+        // Under the ice the weight is not the normal force.
         let mass = Used { what: "mass", used: config.mass_kg, unit: " kg", ..of_mass(1.0, log) };
         return vec![normal, mass];
     }
@@ -104,12 +105,12 @@ fn block(log: &Log, config: &Config) -> Vec<Used> {
     }]
 }
 
-/// A mass that the log says, times `factor`.
+/// The mass in the log, times `factor`.
 fn of_mass(factor: f64, log: &Log) -> Used {
     Used { key: "mass_kg", said: log.metadata().mass_kg.map(|mass| mass * factor), ..WEIGHT }
 }
 
-/// How it is pulled and measured.
+/// Slope, winch speed and range.
 fn pull(log: &Log, config: &Config) -> [Used; 3] {
     let said = log.metadata();
     let slope = Used {
@@ -142,7 +143,7 @@ fn pull(log: &Log, config: &Config) -> [Used; 3] {
     [slope, winch, range]
 }
 
-/// How well all this is known, and the zero: numbers that the caller gives, their unit in the key.
+/// Uncertainties and zeros that the caller gives; the unit is part of the key.
 fn how_well(log: &Log, known: &KnownOptions) -> impl Iterator<Item = Used> {
     known.inputs(&log.metadata().known).into_iter().map(|Input { key, given, said }| Used {
         key,
@@ -155,7 +156,7 @@ fn how_well(log: &Log, known: &KnownOptions) -> impl Iterator<Item = Used> {
     })
 }
 
-/// What weighed the block.
+/// The source of the weight, where the caller and the log differ.
 fn weighed_by(log: &Log, known: &KnownOptions) -> Option<String> {
     let (given, said) = known.weight_from.zip(log.metadata().known.weight_from)?;
     let word = given.to_possible_value()?;
@@ -163,7 +164,7 @@ fn weighed_by(log: &Log, known: &KnownOptions) -> Option<String> {
     if given == said { None } else { as_given(log, "weight_from", &used) }
 }
 
-/// What is used, and the line of the log that says another.
+/// The sentence: the number in use, and the line of the log that it replaces.
 fn as_given(log: &Log, key: &str, used: &str) -> Option<String> {
     let there = log.metadata().first(key)?;
     let (value, line) = (&there.value, there.line);

@@ -1,36 +1,36 @@
-//! The numbers of a test: which the caller gives, which the log says, and which there can be.
+//! The numbers of a test: the caller's, the log's, and the limits of each.
 
 use crate::error::InputError;
 use crate::log::Log;
 use crate::rounding::short;
 
-/// Largest number that a test can have: no block, and no winch, has more of anything.
+/// Largest number of a test, in any unit: far above that of any block or winch.
 const LARGEST: f64 = 1e9;
-/// Smallest of what is above zero.
+/// Smallest number of a quantity that must be above zero.
 const SMALLEST: f64 = 1e-9;
-/// Steepest slope, degrees: just within that of the core.
+/// Steepest slope, degrees: just below the limit of the core.
 const STEEPEST_DEG: f64 = 68.7;
-/// Most damping that the core takes into account.
+/// Largest damping that the core accepts.
 const MOST_DAMPING: f64 = 0.3;
 
 /// A number of a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
-    /// The log's word for it.
+    /// Key of the number in the log.
     pub key: &'static str,
-    /// The caller's number, which counts.
+    /// The caller's number, which takes precedence.
     pub given: Option<f64>,
-    /// The log's, if it is used where the caller gives none.
+    /// The log's number, used where the caller gives none.
     pub said: Option<f64>,
 }
 
 impl Input {
-    /// The option that gives it: named like the key, but for the unit of a percentage.
+    /// Name of the command-line option: the key with hyphens and without `_percent`.
     fn option(&self) -> String {
         format!("--{}", self.key.trim_end_matches("_percent").replace('_', "-"))
     }
 
-    /// Least and most that it may be.
+    /// Smallest and largest permitted value.
     fn limits(&self) -> [f64; 2] {
         match self.key {
             "slope_deg" => [-STEEPEST_DEG, STEEPEST_DEG],
@@ -41,10 +41,10 @@ impl Input {
         }
     }
 
-    /// Refuses a number that cannot be.
+    /// Checks the number that is used against its limits.
     ///
     /// # Errors
-    /// Names the option, or the line of the log, and what may be.
+    /// The number is out of its limits; the message names the option or the line of the log.
     pub fn check(&self, log: &Log) -> Result<(), InputError> {
         let [least, most] = self.limits();
         let Some(number) = self.given.or(self.said).filter(|it| !(least..=most).contains(it))
@@ -74,7 +74,8 @@ mod tests {
         assert!((0.0..0.1).contains(&(steepest_deg - STEEPEST_DEG)), "{steepest_deg}");
     }
 
-    /// Every option that is named can be given, and where it is out of limits that is said of it.
+    /// Every option that is named exists, and a value out of limits is reported with the option's
+    /// name.
     #[test]
     fn every_input_has_its_option_and_its_limits() {
         let log = "# test_id: A\ntime_s,force_n\n0,1\n0.0625,2\n";

@@ -1,4 +1,4 @@
-//! How well the inputs of a test are known: from the options, else from the log.
+//! Uncertainties of the inputs of a test: from the options, else from the log.
 
 use floe_core::signal::calibrate::Calibrator;
 use floe_core::{Config, Counts, InputStd, Newtons, Reading, SampleFlag};
@@ -63,10 +63,10 @@ pub enum WeightFrom {
 }
 
 impl WeightFrom {
-    /// Reads the metadata's word.
+    /// Parses the value of `# weight_from:`.
     ///
     /// # Errors
-    /// Another word.
+    /// An unknown word.
     pub fn from_word(word: &str) -> Result<Self, InputError> {
         match word {
             "same_cell" => Ok(Self::SameCell),
@@ -76,7 +76,7 @@ impl WeightFrom {
     }
 }
 
-/// What a log says of it, in `# key: value` lines.
+/// Uncertainties in the metadata of a log: `# key: value` lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct KnownMetadata {
     /// Numbers by their keys, in the order of [`KEYS`].
@@ -98,7 +98,7 @@ const KEYS: [&str; 8] = [
 ];
 
 impl KnownMetadata {
-    /// The place of a key, if it is one of these.
+    /// The number of a key; `None` for a key that is not one of `KEYS`.
     pub fn field(&mut self, key: &str) -> Option<&mut Option<f64>> {
         let place = KEYS.iter().position(|known| *known == key)?;
         self.values.get_mut(place)
@@ -106,7 +106,7 @@ impl KnownMetadata {
 }
 
 impl KnownOptions {
-    /// The numbers of both, in the order of `KEYS`.
+    /// The numbers of the options and of the log, in the order of `KEYS`.
     #[must_use]
     pub fn inputs(&self, said: &KnownMetadata) -> [Input; KEYS.len()] {
         let given = [
@@ -126,12 +126,12 @@ impl KnownOptions {
         inputs
     }
 
-    /// The options, else what the log says.
+    /// The number of each option, else that of the log.
     fn or(&self, said: &KnownMetadata) -> [Option<f64>; KEYS.len()] {
         self.inputs(said).map(|input| input.given.or(input.said))
     }
 
-    /// Standard deviations for the core, of a weight and a winch speed.
+    /// Standard deviations for the core, given the weight and the winch speed.
     #[must_use]
     pub fn std(&self, said: &KnownMetadata, weight_n: f64, winch_m_per_s: Option<f64>) -> InputStd {
         let [weight, slope, zero, span, damping, winch, ..] = self.or(said);
@@ -139,7 +139,8 @@ impl KnownOptions {
         let from = self.weight_from.or(said.weight_from);
         let or = |value: Option<f64>, usual: f32| value.map_or(usual, |value| value as f32);
         let remainder = self.both_zeros(said).map(Zero::remainder_std_n);
-        // The caller knows best; else the scatter of both zeros and what is between them.
+        // The caller's takes precedence; else the scatter of both zeros combined with the
+        // remainder.
         let measured = match (zero, remainder) {
             (Some(scatter), Some(remainder)) if self.zero_std_n.is_none() => {
                 Some(scatter.hypot(remainder))
@@ -160,14 +161,15 @@ impl KnownOptions {
         }
     }
 
-    /// The zero before and after, if both were taken: then how far it moved is known, and asked of no event.
+    /// The zeros before and after the test, if both are known; then the core need not estimate the
+    /// drift.
     #[must_use]
     pub fn both_zeros(&self, said: &KnownMetadata) -> Option<Zero> {
         let [.., before, after] = self.or(said);
         before.zip(after).map(|(before_n, after_n)| Zero { before_n, after_n })
     }
 
-    /// The zero to take off.
+    /// The zero to subtract from the forces.
     #[must_use]
     pub fn zero(&self, log: &Log) -> Zero {
         let [.., before, after] = self.or(&log.metadata().known);
@@ -178,36 +180,36 @@ impl KnownOptions {
 /// The force without a load, measured before and after the test, N.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Zero {
-    /// Before.
+    /// Before the test.
     pub before_n: f64,
-    /// After.
+    /// After the test.
     pub after_n: f64,
 }
 
 impl Zero {
-    /// Is there nothing to take off?
+    /// Whether there is nothing to subtract.
     #[must_use]
     pub fn is_nothing(&self) -> bool {
         self.before_n == 0.0 && self.after_n == 0.0
     }
 
-    /// What it is taken for, N, after this part of the test, 0 to 1.
+    /// The zero, N, interpolated linearly; `part` is the elapsed share of the test, 0 to 1.
     #[must_use]
     pub fn at(self, part: f64) -> f64 {
         self.before_n + part * (self.after_n - self.before_n)
     }
 
-    /// Standard deviation of what is left then: a random walk from one zero to the other strays
-    /// by so much in its mean, N.
+    /// Standard deviation, N, of the mean error that the interpolation leaves: a random walk from
+    /// one zero to the other deviates from the straight line in its mean by |difference|/√12.
     #[must_use]
     pub fn remainder_std_n(self) -> f64 {
         (self.after_n - self.before_n).abs() / 12_f64.sqrt()
     }
 
-    /// Takes it off all samples of a test, linearly from the first to the last. What is
-    /// beyond the range of the cell or the converter stays so, with no range to come.
+    /// Subtracts the zero from all samples of a test, linearly from the first to the last. A
+    /// saturated sample stays saturated, since the range is not applied again later.
     pub fn take_off(&self, samples: &mut [Sample], config: &Config) {
-        // A code beyond every converter.
+        // A code beyond the range of every converter.
         const SATURATED: Reading = Reading::Counts(Counts(i32::MAX));
         let calibrator = Calibrator::new(config);
         let ends = (samples.first().map(|s| s.time_s), samples.last().map(|s| s.time_s));
@@ -243,7 +245,7 @@ mod tests {
         assert_eq!(samples.iter().map(force).collect::<Vec<_>>(), [99.0, 97.0, 95.0, 93.0, 91.0]);
     }
 
-    /// The range is that of the cell: taking a zero off brings nothing back into it, nor beyond it.
+    /// The range belongs to the cell: subtracting a zero moves no sample into it or out of it.
     #[test]
     fn what_is_saturated_is_told_before_the_zero_is_taken_off() {
         let calibration = Calibration { counts_per_n: 0.2, ..Calibration::default() };
@@ -280,7 +282,7 @@ mod tests {
         assert!((std.weight - 0.001).abs() < 1e-7 && std.damping.abs() < 1e-9);
         assert!((std.zero_n.unwrap() - 3.4641).abs() < 1e-3);
         assert_eq!((std.span, std.slope_rad), (0.001, InputStd::default().slope_rad));
-        // The scatter of the zero does not hide that it has moved.
+        // The scatter of the zero is combined with its drift.
         *said.field("zero_std_n").unwrap() = Some(0.001);
         assert!((options.std(&said, 630.0, None).zero_n.unwrap() - 3.4641).abs() < 1e-3);
         said.weight_from = Some(WeightFrom::SameCell);

@@ -1,5 +1,5 @@
-//! How much friction changed: both coefficients after the newest change that is none of the block,
-//! over those before it, as means of the events that are kept.
+//! The change of friction: both coefficients after the newest change that is not of the block
+//! alone, over those before it, as means of the events that are kept.
 
 use std::ops::Range;
 
@@ -8,10 +8,10 @@ use floe_core::estimator::Estimator;
 
 use super::result::{ChangeSummary, EventSummary, ParameterSummary};
 
-/// A coefficient of an event and its random standard deviation.
+/// Getter for a coefficient of an event and its random standard deviation.
 type Known = fn(&EventSummary) -> (Option<f64>, Option<f64>);
 
-/// Ratios of `mu_s` and of `mu`; those that two events on either side tell.
+/// Ratios of `mu_s` and `mu`, each only where both sides of the change have at least two events.
 pub fn parameters(changes: &[ChangeSummary], events: &[EventSummary]) -> Vec<ParameterSummary> {
     let Some(place) = changes.iter().rposition(|it| it.cause != "mass") else {
         return Vec::new();
@@ -61,7 +61,7 @@ mod tests {
         (0..count).map(event).collect()
     }
 
-    /// The level from one change to the next, not what another block did before.
+    /// The ratio compares the levels next to the change, not that before an earlier change.
     #[test]
     fn the_ratio_is_that_of_the_levels_on_either_side() {
         let level = |index| match index {

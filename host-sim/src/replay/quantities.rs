@@ -1,4 +1,4 @@
-//! What follows from a test beside the coefficients, each with its standard deviation.
+//! Quantities of a test other than the coefficients, each with its standard deviation.
 
 use floe_core::{Config, Estimate, Losses, Quantity, Report};
 use serde::Serialize;
@@ -8,8 +8,8 @@ use super::result::{EventSummary, known, short_or_null};
 use super::slide::{Slide, Unsure};
 use crate::log::STANDARD_GRAVITY;
 
-/// Rates, frequencies, stiffnesses, times. What is not known is `None`: all of them where no
-/// event counts.
+/// Rates, frequencies, stiffnesses and times. A quantity that is not known is `None`: all of them
+/// where no event counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Quantities {
     /// Mean rate of the force at rest.
@@ -21,7 +21,7 @@ pub struct Quantities {
     /// Stiffness of the cable: from the winch speed if it is known, else from omega.
     #[serde(with = "short_or_null")]
     pub stiffness_n_per_m: Option<f64>,
-    /// Mean time from onset to onset, where no slip may be hidden in between.
+    /// Mean time between onsets, over those intervals in which no slip can be hidden.
     #[serde(with = "short_or_null")]
     pub recurrence_s: Option<f64>,
     /// One standard deviation.
@@ -42,19 +42,20 @@ pub struct Quantities {
     /// One standard deviation.
     #[serde(with = "short_or_null")]
     pub stiffness_from_omega_n_per_m_std: Option<f64>,
-    /// The first over the second: 1 if weight and winch speed are right.
+    /// `stiffness_from_rate_n_per_m` over `stiffness_from_omega_n_per_m`: 1 if weight and winch
+    /// speed are right.
     #[serde(with = "short_or_null")]
     pub stiffness_ratio: Option<f64>,
     /// One standard deviation.
     #[serde(with = "short_or_null")]
     pub stiffness_ratio_std: Option<f64>,
-    /// What the recurrence should be by (22) to (25); `None` on a cable that goes slack.
+    /// Recurrence by equations (22) to (25); `None` on a cable that goes slack.
     #[serde(with = "short_or_null")]
     pub recurrence_predicted_s: Option<f64>,
-    /// One standard deviation, from the scatter of those times.
+    /// One standard deviation of `recurrence_s`, from the scatter of the intervals.
     #[serde(with = "short_or_null")]
     pub recurrence_s_std: Option<f64>,
-    /// One standard deviation, to first order: by drop, rate and omega.
+    /// One standard deviation, propagated to first order from drop, rate and omega.
     #[serde(with = "short_or_null")]
     pub recurrence_predicted_s_std: Option<f64>,
     /// Mean slip length of the events.
@@ -69,19 +70,19 @@ pub struct Quantities {
     /// One standard deviation.
     #[serde(with = "short_or_null")]
     pub energy_j_std: Option<f64>,
-    /// For [`Quantities::slide`].
+    /// Input of [`Quantities::slide`].
     #[serde(skip)]
     pub(crate) slide: Option<Slide>,
-    /// The losses as the whole test tells them, for [`Quantities::complete`].
+    /// Losses of the cable by all events of the test; input of [`Quantities::complete`].
     #[serde(skip)]
     pub(crate) losses: Losses,
-    /// How far the zero may have moved by the end, a standard deviation in units of the coefficients,
-    /// and the number of events until then; likewise.
+    /// Drift of the zero by the end of the test, a standard deviation in units of the coefficients,
+    /// and the number of events until then; input of [`Quantities::complete`].
     #[serde(skip)]
     pub(crate) drift: (f32, u32),
 }
 
-/// What a zero that may have moved does to a coefficient, one standard deviation.
+/// Standard deviation of a coefficient due to the drift of the zero.
 fn drift_std(config: &Config, report: &Report) -> f32 {
     let normal_n = report.weight_ratio * config.weight_n * config.slope_rad.cos();
     report.zero_n.map_or(0.0, |zero_n| zero_n / normal_n)
@@ -105,11 +106,11 @@ fn stiffnesses(
     [from_rate, from_omega]
 }
 
-/// A number with its relative standard deviation.
+/// A value and its relative standard deviation.
 pub(super) type Relative = (f64, f64);
 
 impl Quantities {
-    /// Of a test.
+    /// The quantities that follow from the report of the core.
     #[must_use]
     pub fn new(config: &Config, report: &Report) -> Self {
         if report.mu_s.or(report.mu).is_none() {
@@ -147,7 +148,7 @@ impl Quantities {
         }
     }
 
-    /// With what all events tell together.
+    /// Adds the quantities that need every event: recurrence, slip length and energy.
     pub(super) fn with(self, events: &Events, of: (&Config, &Report)) -> Self {
         let (_, report) = of;
         if report.mu_s.or(report.mu).is_none() {
@@ -172,15 +173,15 @@ impl Quantities {
         }
     }
 
-    /// Do the two stiffnesses differ by more than three standard deviations? Then weight or winch
-    /// speed is wrong, or the slips are.
+    /// Whether the two stiffnesses differ by more than three standard deviations: then weight,
+    /// winch speed or the slips are wrong.
     #[must_use]
     pub fn disagree(&self) -> bool {
         let ratio = self.stiffness_ratio.zip(self.stiffness_ratio_std);
         ratio.is_some_and(|(ratio, std)| (ratio - 1.0).abs() > 3.0 * std)
     }
 
-    /// What is known of a test while it runs, by one event of it: from the winch speed.
+    /// Quantities of a test that is still running, from one event and the winch speed.
     #[must_use]
     pub fn of_event(event: &EventSummary, winch_m_per_s: Option<f64>) -> Self {
         let slide = winch_m_per_s.map(|winch| Slide {
@@ -191,16 +192,16 @@ impl Quantities {
         Self { slide, ..Self::default() }
     }
 
-    /// Gives an event, which has none yet, the losses of the cable, what the whole test tells of a drift
-    /// that the event did not know of yet, and what [`Self::slide`] does.
+    /// Completes an event: the losses of the cable if it has none, the drift of the zero as known
+    /// at the end of the test, and the fields of [`Self::slide`].
     pub fn complete(&self, event: &mut EventSummary) {
-        // As if it had grown evenly: the zero was known at the beginning.
+        // The drift is taken to grow evenly, since the zero was known at the beginning.
         let (std, events) = self.drift;
         event.put_on(self.losses, std * (event.index + 1) as f32 / events.max(1) as f32);
         self.slide(event);
     }
 
-    /// Gives an event its slip length, and the work against the friction over it.
+    /// Sets the slip length of an event and the work against the friction over it.
     pub fn slide(&self, event: &mut EventSummary) {
         let Some(slide) = self.slide else { return };
         let [length_m, energy_j] = slide.of(event).map_or([None; 2], |both| both.map(Some));

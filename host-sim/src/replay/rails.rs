@@ -1,31 +1,31 @@
-//! Forces that a sensor or a converter holds at the end of its range, where the log names no range.
+//! Forces at the limit of a sensor or a converter, found where the log states no range.
 
-/// Largest forces that are told apart.
+/// Distinct largest forces that are counted.
 const LEVELS: usize = 16;
-/// The largest one is a limit if it comes so many times as often as any other of them: in coarse
-/// steps all come often, the largest one less than the others.
+/// The largest force is a limit if it occurs this many times as often as any other level: in a
+/// record of coarse steps all levels occur often, the largest one less than the others.
 const MORE_OFTEN: u64 = 4;
-/// And so often at least.
+/// Fewest samples at a limit that the force leapt to.
 const FEWEST: u64 = 8;
-/// A lowest force below this share of the largest one is that of a cable without a load.
+/// A lowest force below this share of the largest one is that of a cable without a load, no limit.
 const UNLOADED: f32 = 0.1;
 
-/// What a record's highest and lowest forces say of the range.
+/// Search for a limit at either end of a record's forces.
 #[derive(Clone, Debug, Default)]
 pub struct Rails {
     highest: Highest,
-    /// Of the negative forces.
+    /// Of the negated forces.
     lowest: Highest,
 }
 
-/// The highest forces and how often they came.
+/// The largest forces and their counts.
 #[derive(Clone, Debug, Default)]
 struct Highest {
-    /// The highest first.
+    /// Levels in descending order of force.
     levels: Vec<Level>,
     /// The last two forces, the newer one first.
     last_n: [f32; 2],
-    /// Whether the force leapt to where it is.
+    /// Whether the last rise was a leap (see [`Level::leapt`]).
     leapt: bool,
 }
 
@@ -33,19 +33,19 @@ struct Highest {
 struct Level {
     force_n: f32,
     samples: u64,
-    /// Those that the force leapt to, from below the next level or rising for two samples: one
-    /// that rests between two steps of the converter comes and goes to the next one.
+    /// Samples reached by a leap: from below the next level, or by rising for two samples. A force
+    /// at rest between two steps of the converter only alternates with the next level.
     leapt: u64,
 }
 
 impl Rails {
-    /// The next force.
+    /// Takes the next force.
     pub fn push(&mut self, force_n: f32) {
         self.highest.push(force_n);
         self.lowest.push(-force_n);
     }
 
-    /// One sentence for each end that was reached.
+    /// One sentence for each end at a limit.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let ends = [(&self.highest, 1.0), (&self.lowest, -1.0)];
@@ -75,7 +75,7 @@ impl Highest {
     fn push(&mut self, force_n: f32) {
         let [last_n, before_n] = self.last_n;
         self.last_n = [force_n, last_n];
-        // Nearly every force lies below all that are kept.
+        // Nearly every force lies below all levels that are kept.
         if self.levels.get(LEVELS - 1).is_some_and(|lowest| force_n < lowest.force_n) {
             return;
         }
@@ -112,7 +112,7 @@ mod tests {
         rails.warnings()
     }
 
-    /// A saw from 200 N up, no two teeth alike, in steps.
+    /// A sawtooth from 200 N up, quantized in steps, no two teeth equal.
     fn saw(step_n: f32) -> impl Iterator<Item = f32> {
         let tooth = |i: u16| (f32::from(i) * 22.5) % 571.3 + 200.0;
         (0..2000).map(move |i| (tooth(i) / step_n).round() * step_n)

@@ -1,4 +1,4 @@
-//! How often the block slips: as the onsets tell it, and by equations (22) to (25).
+//! Time from slip to slip: as observed at the onsets, and by equations (22) to (25).
 
 use std::collections::VecDeque;
 
@@ -9,24 +9,24 @@ use super::quantities::Relative;
 use super::result::{EventSummary, known};
 use super::slide::contributions;
 
-/// Beside how far they scatter the intervals themselves are known: so much of each.
+/// Relative standard deviation of one interval's own time, apart from the scatter.
 const KNOWN: f64 = 1e-4;
-/// Stretches without a force that are told apart; more of them, without an event, are one.
+/// Gaps kept separately; further ones, before the next event, are merged into the last.
 const APART: usize = 64;
 
-/// The mean time from onset to onset, and the mean drop of the coefficient.
+/// Mean time from onset to onset, and mean drop of the coefficient.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Recurrence {
     onset_s: Option<f64>,
     good_s: Option<f64>,
-    /// Begin, end, and how long a slip may be that hides there.
+    /// Gaps: begin, end, and the longest slip that may be hidden in each, s.
     unread: VecDeque<(f64, f64, f64)>,
     intervals: Estimator,
     drops: Estimator,
 }
 
 impl Recurrence {
-    /// A sample whose force can be used.
+    /// Takes the time of a sample whose force can be used; a gap before it is noted.
     pub(super) fn sample(&mut self, time_s: f64, period_s: f64) {
         let before_s = self.good_s.replace(time_s).unwrap_or(time_s);
         if time_s - before_s > 1.5 * period_s {
@@ -34,7 +34,7 @@ impl Recurrence {
         }
     }
 
-    /// A stretch of the log that belongs to no event.
+    /// Notes a stretch of the log that belongs to no event.
     pub(super) fn stretch(&mut self, start_s: f64, stop_s: f64) {
         self.hide(start_s, stop_s, f64::INFINITY);
     }
@@ -47,8 +47,8 @@ impl Recurrence {
         }
     }
 
-    /// The next event. From the one before to it is no recurrence where a slip may be hidden
-    /// between them.
+    /// Takes the next event. Its interval to the event before does not count where a slip may be
+    /// hidden between them.
     pub(super) fn event(&mut self, event: &EventSummary) {
         let EventSummary { onset_s, slip_s, .. } = *event;
         if let Some(before_s) = self.onset_s.replace(onset_s) {
@@ -62,7 +62,7 @@ impl Recurrence {
         }
         self.unread.retain(|&(_, stop_s, _)| stop_s > onset_s);
         if let (Some(mu_s), Some(mu), Some(std)) = (event.mu_s, event.mu, event.mu_std) {
-            // As unsure as `mu`: see `Slide::with_std`.
+            // The uncertainty of the drop is that of `mu`: see `Slide::with_std`.
             add(&mut self.drops, mu_s - mu, (std, 0.0));
         }
     }
@@ -72,8 +72,8 @@ impl Recurrence {
         self.intervals.estimate()
     }
 
-    /// Rest (22) and slide (25) of the mean event, and one standard deviation of their sum: by the
-    /// drop, rate and omega to first order. Weight, slope, zero and span cancel.
+    /// Rest (22) plus slide (25) of the mean event, and the standard deviation of the sum, to first
+    /// order in drop, rate and omega. Weight, slope, zero and span cancel.
     pub(super) fn predicted_s(
         &self,
         (config, report): (&Config, &Report),
@@ -101,12 +101,12 @@ impl Recurrence {
         let random = known(self.drops.estimate()?.std_error)?;
         let of = |input| contributions(config, report, input);
         let ([losses_s, losses], [shared_s, shared]) = (of(Input::Damping)?, of(Input::Shared)?);
-        // Losses make both coefficients less.
+        // Losses reduce both coefficients.
         Some(random.hypot(losses_s - losses).hypot(shared_s.hypot(shared)))
     }
 }
 
-/// Gives a mean another value, with its own part of the standard deviation and the common one.
+/// Adds a value to a mean; its standard deviation has an own part and one common to all values.
 pub(super) fn add(mean: &mut Estimator, value: f64, (own, common): (f64, f64)) {
     let [value, std, granted] = [value, own, common].map(|it| it as f32);
     mean.add_with_common(Coefficient::random(value, std), Common { shared: 0.0, granted });
@@ -117,14 +117,14 @@ fn period_s([drop_n, rate, omega]: [f64; 3]) -> f64 {
     2.0 * drop_n / rate + slide_s
 }
 
-/// Standard deviation of the period, by what each standard deviation moves it.
+/// Standard deviation of the period, propagated to first order.
 fn first_order(at: [f64; 3], std: [f64; 3]) -> f64 {
     let moved = |place: usize, part: f64| {
         let mut at = at;
         at[place] += part * std[place];
         period_s(at)
     };
-    // A small part, for one may be as large as its value.
+    // A small part of each, since a standard deviation may be as large as its value.
     let by = |place| (moved(place, 1e-3) - moved(place, -1e-3)) / 2e-3;
     by(0).hypot(by(1)).hypot(by(2))
 }
@@ -136,13 +136,13 @@ pub(super) mod tests {
     use crate::sim::random::{Stream, stream};
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Normally distributed numbers.
+    /// A source of normally distributed numbers.
     pub(in crate::replay) fn normal(seed: u64) -> impl FnMut() -> f64 {
         let mut random = stream(seed, Stream::White);
         move || StandardNormal.sample(&mut random)
     }
 
-    /// Standard deviation of some numbers.
+    /// Sample standard deviation.
     pub(in crate::replay) fn scatter(of: impl Iterator<Item = f64> + Clone) -> f64 {
         let n = of.clone().count() as f64;
         let mean = of.clone().sum::<f64>() / n;

@@ -1,7 +1,7 @@
-//! The result of a replay, field by field as in its JSON.
+//! The result of a replay; its fields are those of the JSON.
 //!
-//! Forces in N, times in s, angles in rad. What is unknown is `None` (`null`);
-//! every number is finite.
+//! Forces in N, times in s, angles in rad. An unknown value is `None` (`null`); every number is
+//! finite.
 
 use floe_core::{Config, Counters, Effect, Estimate, Finding, Report};
 use serde::Serialize;
@@ -23,7 +23,7 @@ pub(super) use numbers::{short_or_null, short_pair};
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-replay/2";
 
-/// Everything a replay found.
+/// The result of a replay.
 #[derive(Clone, Debug, Serialize)]
 pub struct ReplayResult {
     /// [`SCHEMA`].
@@ -32,18 +32,17 @@ pub struct ReplayResult {
     pub log: LogSummary,
     /// What was pulled.
     pub test: TestSummary,
-    /// The coefficients; `null` fields before the first event.
+    /// The two coefficients; all fields `null` before the first event.
     pub estimate: EstimateSummary,
-    /// What is systematic about the means, input by input; empty without events.
+    /// Systematic uncertainty of the means, input by input; empty without events.
     pub budget: Vec<BudgetLine>,
     /// Standard deviation of the noise on the force.
     #[serde(with = "short_or_null")]
     pub noise_n: Option<f64>,
-    /// What follows from the test beside the coefficients.
+    /// Quantities other than the coefficients.
     #[serde(flatten)]
     pub quantities: Quantities,
-    /// How far the zero of the load cell may have moved, one standard deviation; `None`
-    /// where nothing of it is seen.
+    /// Drift of the load cell's zero, one standard deviation; `None` where no drift is seen.
     #[serde(with = "short_or_null")]
     pub zero_n: Option<f64>,
     /// Where the block or its friction changed, in order.
@@ -51,29 +50,29 @@ pub struct ReplayResult {
     /// Stretches of the log that belong to no event: `steady`, `not_understood`.
     #[serde(flatten)]
     pub stretches: Stretches,
-    /// What was looked for beyond the linear model, and what of it the data show.
+    /// Effects beyond the linear model: which were looked for, and which the data show.
     pub effects: Vec<EffectSummary>,
     /// Every event, in order.
     pub events: Events,
 }
 
-/// One effect.
+/// An effect beyond the linear model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EffectSummary {
-    /// As in `--effects`.
+    /// Name, as in `--effects`.
     pub name: &'static str,
     /// Whether it was looked for.
     pub enabled: bool,
     /// Whether the data show it.
     pub found: bool,
-    /// Its numbers, where it has any.
+    /// Numbers of the effect, if it has any.
     pub parameters: Vec<ParameterSummary>,
 }
 
 /// A number of an effect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ParameterSummary {
-    /// What it is, with its unit.
+    /// Name of the number, with its unit.
     pub name: &'static str,
     /// Its value.
     #[serde(with = "short")]
@@ -122,11 +121,10 @@ pub struct LogSummary {
     pub rejected: u64,
     /// Samples at the end of the range.
     pub saturated: u64,
-    /// What else a reader should know, one sentence each (a truncated last line,
-    /// stamps that do not fit the rate, ...).
+    /// Other warnings for a reader, one sentence each (a truncated last line, stamps that do not
+    /// fit the rate, ...).
     pub warnings: Vec<String>,
-    /// What a simulator says of a log that it made, with its seed; `None` for a measured
-    /// one.
+    /// The line of a simulator that made the log, with the seed; `None` for a measured log.
     pub synthetic: Option<String>,
 }
 
@@ -141,7 +139,7 @@ pub struct TestSummary {
     /// Slope of the ice, uphill positive.
     #[serde(with = "short")]
     pub slope_rad: f64,
-    /// Mass of the block where that is not its weight over gravity: under the ice.
+    /// Mass of a block under the ice, where it is not weight over gravity.
     #[serde(with = "short_or_null")]
     pub mass_kg: Option<f64>,
 }
@@ -149,9 +147,9 @@ pub struct TestSummary {
 /// The two coefficients.
 #[derive(Clone, Debug, Serialize)]
 pub struct EstimateSummary {
-    /// Static.
+    /// Static coefficient.
     pub mu_s: CoefficientSummary,
-    /// Dynamic.
+    /// Dynamic coefficient.
     pub mu: CoefficientSummary,
     /// Events that count.
     pub events: u64,
@@ -163,16 +161,16 @@ pub struct CoefficientSummary {
     /// Mean over the events.
     #[serde(with = "short_or_null")]
     pub mean: Option<f64>,
-    /// Its standard error: the random part, with the variation between events in it.
+    /// Standard error of the mean: the random part, which includes the variation between events.
     #[serde(with = "short_or_null")]
     pub std_error: Option<f64>,
     /// Standard deviation between events, noise removed.
     #[serde(with = "short_or_null")]
     pub spread: Option<f64>,
-    /// The systematic part: what is the same in all events.
+    /// Systematic standard deviation: the part common to all events.
     #[serde(with = "short_or_null")]
     pub systematic_std: Option<f64>,
-    /// Both together.
+    /// Random and systematic part combined.
     #[serde(with = "short_or_null")]
     pub combined_std: Option<f64>,
     /// The 95 % interval.
@@ -188,14 +186,14 @@ impl ReplayResult {
         self.effects.iter().filter(|it| it.found && self.estimate.events > 0)
     }
 
-    /// Did the cable sag? Then it is softer in the slip than where it is loaded, and the two
-    /// stiffnesses are not the same.
+    /// Whether the cable sags. Then it is softer during a slip than during loading, and the two
+    /// stiffnesses differ.
     #[must_use]
     pub fn sags(&self) -> bool {
         self.effects_found().any(|effect| effect.name == Effect::Sag.name())
     }
 
-    /// Puts the parts together.
+    /// Assembles the result.
     #[must_use]
     pub fn new(
         log: LogSummary,
@@ -204,7 +202,7 @@ impl ReplayResult {
         mut events: Events,
         mut changes: Vec<ChangeSummary>,
     ) -> Self {
-        // The ratio is known better in the end than when it was told.
+        // The final ratio is more accurate than the one at the time of the change.
         if let (Some(last), Some(known)) = (changes.last_mut(), &report.change) {
             last.weight_ratio = known.weight_ratio.into();
             last.weight_ratio_std = known.weight_ratio_std.into();
@@ -233,7 +231,7 @@ impl ReplayResult {
     }
 }
 
-/// What to say of a zero that may have moved by so much.
+/// The sentence about a drift of the zero of this standard deviation.
 #[must_use]
 pub fn zero_sentence(zero_n: f64) -> String {
     let decimals = digits(zero_n);
@@ -244,7 +242,7 @@ pub fn zero_sentence(zero_n: f64) -> String {
 }
 
 impl From<Counters> for LogSummary {
-    /// Only the counts.
+    /// Fills in the counters only.
     fn from(counters: Counters) -> Self {
         Self {
             samples: counters.samples.into(),
@@ -276,7 +274,7 @@ impl From<Option<Estimate>> for CoefficientSummary {
     }
 }
 
-/// A number that is known, which a NaN or an infinity is not.
+/// A finite value; `None` for NaN and infinity.
 pub(super) fn known(value: Option<f32>) -> Option<f64> {
     value.filter(|value| value.is_finite()).map(f64::from)
 }

@@ -17,9 +17,9 @@ use crate::columnar;
 /// The columns, in CSV and in Parquet.
 pub const COLUMNS: [&str; 7] =
     ["time_s", "force_n", "rate_n_per_s", "phase", "block_m_per_s", "flag", "index"];
-/// Those of numbers that hardly repeat.
+/// Numeric columns whose values hardly repeat.
 const MEASURED: [&str; 4] = ["time_s", "rate_n_per_s", "block_m_per_s", "index"];
-/// Samples that are held back until their rate is known and they can be no spike.
+/// Samples held back until their rate is known and none can become a spike any more.
 const HELD: usize = 4;
 /// Rows in a group of a Parquet file.
 const GROUP: usize = 1 << 18;
@@ -27,25 +27,25 @@ const GROUP: usize = 1 << 18;
 /// One sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleRow {
-    /// The sampling period it was taken in, from 0; what is missing leaves its number out.
+    /// Number of the sampling period, from 0; numbers of missing samples are left out.
     pub index: u32,
     /// In the log's own time.
     pub time_s: f64,
-    /// Force in the cable; `None` where there is none that can be used.
+    /// Force in the cable; `None` where there is no usable one.
     pub force_n: Option<f32>,
-    /// Its rate, the central difference over ±1 sample.
+    /// Rate of the force, the central difference over ±1 sample.
     pub rate_n_per_s: Option<f32>,
-    /// What the block was doing.
+    /// State of the block.
     pub phase: &'static str,
-    /// Speed of the block where the winch's speed `w` is known, with the loading rate `k w` of the
-    /// last event that was complete by then: `w (1 - F' / (k w))` while it slips, 0 at rest while the
-    /// force rises. A force that does not rise is of a held cable or of a block that slides evenly.
+    /// Speed of the block, if the winch's speed `w` is known, with the loading rate `k w` of the
+    /// last complete event: `w (1 - F' / (k w))` during a slip, 0 at rest while the force rises. A
+    /// constant force may be that of a held cable or of a block that slides at constant speed.
     pub block_m_per_s: Option<f32>,
-    /// What became of the sample.
+    /// Classification of the sample.
     pub flag: &'static str,
 }
 
-/// Makes rows out of what the core says of every sample.
+/// Builder of rows from the steps of the core.
 #[derive(Debug)]
 pub struct SampleRows {
     winch_m_per_s: Option<f32>,
@@ -57,7 +57,7 @@ pub struct SampleRows {
 }
 
 impl SampleRows {
-    /// Before the first sample.
+    /// A builder before the first sample.
     #[must_use]
     pub fn new(winch_m_per_s: Option<f32>, rate_hz: f32) -> Self {
         Self {
@@ -69,7 +69,7 @@ impl SampleRows {
         }
     }
 
-    /// Takes a sample; gives one whose row is complete.
+    /// Takes a sample; returns a row that has become complete.
     pub fn push(&mut self, time_s: f64, step: &Step) -> Option<SampleRow> {
         let good = step.sample.flag == SampleFlag::Good;
         self.held.push_back(SampleRow {
@@ -93,8 +93,8 @@ impl SampleRows {
         if self.held.len() > HELD { self.held.pop_front() } else { None }
     }
 
-    /// The rows that are still held, at the end. The core waited with the last rate for a sample that
-    /// tells whether the newest one is a spike.
+    /// The rows still held at the end. Their last rates are computed here, since no further sample
+    /// can show that the newest one is a spike.
     pub fn finish(mut self) -> impl Iterator<Item = SampleRow> {
         let mut derivative = Central::new(self.rate_hz);
         let forces = self.held.iter().filter_map(|row| Some((row.index, row.force_n?)));
@@ -127,10 +127,10 @@ impl SampleRows {
         let speed = match phase {
             "slip" => winch * (1.0 - rate_n_per_s / loading),
             "stick" => {
-                // The first one is in part the slip's.
+                // The first rate is partly that of the slip.
                 let risen = before.map_or(loading, |it| it + (rate_n_per_s - it) / self.rate_hz);
                 self.rising_n_per_s = Some(risen);
-                // The last one as well.
+                // So is the last one.
                 return (before.unwrap_or(loading) > 0.5 * loading).then_some(0.0);
             }
             _ => return None,
@@ -157,26 +157,26 @@ fn flag(flag: SampleFlag) -> &'static str {
     }
 }
 
-/// Takes rows to a file.
+/// A table file of rows.
 pub trait Table {
     /// Writes a row.
     ///
     /// # Errors
-    /// Of the writer.
+    /// Errors of the writer.
     fn row(&mut self, row: SampleRow) -> io::Result<()>;
 
     /// Ends the file.
     ///
     /// # Errors
-    /// Of the writer.
+    /// Errors of the writer.
     fn finish(&mut self) -> io::Result<()>;
 }
 
-/// A table for a file of this name: Parquet if it ends so, else CSV. `about` goes into
-/// the Parquet file's metadata.
+/// A table for a file of this name: Parquet if the name ends so, else CSV. `about` goes into the
+/// Parquet file's metadata.
 ///
 /// # Errors
-/// Of the writer.
+/// Errors of the writer.
 pub fn table<'a, W: Write + Send + 'a>(
     out: W,
     parquet: bool,

@@ -5,12 +5,12 @@ use serde::Serialize;
 
 use crate::rounding::{digits, narrow, plus_minus};
 
-/// All of a log, in order.
+/// All such stretches of a log, in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stretches {
     /// Where the force was constant.
     pub steady: Vec<SteadySummary>,
-    /// Where the force fell, and no slip was why.
+    /// Where the force fell without a slip.
     pub not_understood: Vec<NotUnderstood>,
 }
 
@@ -25,7 +25,7 @@ pub struct SteadySummary {
     pub force_over_weight: f64,
     /// One standard deviation of that mean.
     pub std: f64,
-    /// Whether the winch turns as far as its speed tells; `null`: not known, as when the cable
+    /// Whether the block moved, as the winch turned or not; `null`: not known, as when the cable
     /// was slack.
     pub moving: Option<bool>,
     /// The coefficient, if the block slid, and its combined standard deviation.
@@ -40,18 +40,18 @@ pub struct NotUnderstood {
     pub start_s: f64,
     /// In the log's own time.
     pub stop_s: f64,
-    /// What they were taken for.
+    /// The reason in words.
     pub reason: String,
 }
 
 impl Stretches {
-    /// Takes the next one, with its times in the log's seconds.
+    /// Adds a stretch; its times are in the log's seconds.
     pub fn add(&mut self, stretch: &Stretch, config: &Config, start_s: f64, stop_s: f64) {
         match stretch.kind {
             StretchKind::Steady { force_over_weight, std, moving } => {
                 let sliding = floe_core::of_constant_force(config, (force_over_weight, std));
                 let [force_over_weight, std] = [force_over_weight, std].map(shortest);
-                // A winch that turns moves no block by a slack cable.
+                // A slack cable moves no block, even if the winch turns.
                 let slides = |moves: &bool| !(*moves && is_nothing(force_over_weight, std));
                 let moving = moving.filter(slides);
                 let steady =
@@ -98,7 +98,7 @@ impl NotUnderstood {
     }
 }
 
-/// A few words, for a display.
+/// A short text for a display.
 #[must_use]
 pub fn told(stretch: &Stretch) -> String {
     match stretch.kind {
@@ -116,12 +116,12 @@ pub fn told(stretch: &Stretch) -> String {
     }
 }
 
-/// Whether a mean force cannot be told from none.
+/// Whether a mean force is within three standard deviations of zero.
 fn is_nothing(force_over_weight: f64, std: f64) -> bool {
     force_over_weight.abs() <= 3.0 * std
 }
 
-/// The number whose shortest text is that of the `f32`.
+/// The `f64` with the same shortest decimal digits as the `f32`.
 fn shortest(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }

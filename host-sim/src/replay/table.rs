@@ -15,20 +15,20 @@ use crate::rounding::{
     self, LEAST, counted, decimals, digits, own_digits, part_of, plus_minus, significant,
 };
 
-/// Events, then the result with its uncertainty, then what to know about it.
+/// The result as text: events, coefficients with their uncertainty, then remarks.
 ///
 /// # Errors
-/// As [`write()`].
+/// The events cannot be read.
 pub fn text(result: &ReplayResult) -> io::Result<String> {
     let mut out = Vec::new();
     write(&mut out, result, true)?;
     Ok(String::from_utf8_lossy(&out).into_owned())
 }
 
-/// The same, event by event; or without the events.
+/// Writes the text of a result, with or without its events.
 ///
 /// # Errors
-/// `out` cannot be written, or the events not be read.
+/// `out` cannot be written, or the events cannot be read.
 pub fn write(out: &mut dyn io::Write, result: &ReplayResult, each_event: bool) -> io::Result<()> {
     let force = decimals(result.test.weight_n);
     let mut head = String::new();
@@ -56,7 +56,7 @@ pub fn write(out: &mut dyn io::Write, result: &ReplayResult, each_event: bool) -
     out.write_all(rest.as_bytes())
 }
 
-/// Why there are no events: where a sample could be used, there was no slip.
+/// Why there are no events: no usable force, or no slip.
 fn why_none(log: &LogSummary) -> &'static str {
     if has_no_force(log.samples, log.rejected, log.saturated) {
         "no sample of this log can be used"
@@ -69,12 +69,12 @@ fn cell(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(|| "-".to_string(), |value| format!("{value:.decimals$}"))
 }
 
-/// An uncertainty with two digits of its own.
+/// An uncertainty with two significant digits.
 fn part(std: Option<f64>) -> String {
     std.map_or_else(|| "-".to_string(), own_digits)
 }
 
-/// A part of a whole, if there is one.
+/// A part of an uncertainty, printed with as many decimals as the whole, if there is one.
 fn part_beside(own: Option<f64>, whole: Option<f64>) -> String {
     own.zip(whole).map_or_else(|| part(own), |(own, whole)| part_of(own, whole))
 }
@@ -209,7 +209,7 @@ fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std:
     }
 }
 
-/// Name, value, standard deviation, and unit with what is to be said of it.
+/// Name, value, standard deviation, and unit with a remark.
 type Quantity = (&'static str, Option<f64>, Option<f64>, &'static str);
 
 fn measured(result: &ReplayResult) -> [Quantity; 9] {
@@ -261,7 +261,7 @@ fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     writeln!(out)
 }
 
-/// What is systematic about the means, input by input.
+/// The table of systematic uncertainties, input by input.
 fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     if result.budget.is_empty() {
         return Ok(());
@@ -291,13 +291,13 @@ fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     writeln!(out, "\n")
 }
 
-/// What part of a mean's variance an uncertainty is.
+/// Share of a mean's variance that is due to one contribution.
 fn percent(part: Option<f64>, mean: &CoefficientSummary) -> String {
     let parts = part.zip(mean.combined_std);
     parts.map_or_else(|| "-".to_string(), |(a, b)| format!("{:.1}%", 100.0 * (a / b).powi(2)))
 }
 
-/// An uncertainty of any size with two digits, in at most eight letters.
+/// An uncertainty with two digits, in at most eight characters.
 fn small(std: Option<f64>) -> String {
     match std {
         Some(std) if std > 0.0 && !(1e-4..1e7).contains(&std) => format!("{std:.1e}"),
@@ -305,7 +305,7 @@ fn small(std: Option<f64>) -> String {
     }
 }
 
-/// A number of any size in at most nine letters.
+/// A number in at most nine characters.
 fn number(value: Option<f64>) -> String {
     value.map_or_else(
         || "-".to_string(),

@@ -1,4 +1,4 @@
-//! What was pulled: from the options, else from the log.
+//! The configuration of a test: from the options, else from the log.
 
 use floe_core::{Calibration, Config, Effect, Effects};
 
@@ -58,18 +58,18 @@ fn effects_help() -> String {
     )
 }
 
-/// Every effect there is.
+/// Names of all effects.
 fn names() -> String {
     Effect::ALL.map(Effect::name).join(", ")
 }
 
-/// An effect of earlier versions that paid in no scene: logs and scripts may still name it.
+/// An effect of earlier versions that improved no scene: logs and scripts may still name it.
 const RETIRED: &str = "forgetting";
 
-/// A set of effects by their names.
+/// Parses a set of effects from their names.
 ///
 /// # Errors
-/// A name that is none.
+/// An unknown name.
 fn effects(text: &str) -> Result<Effects, String> {
     match text {
         "auto" => return Ok(Effects::default()),
@@ -85,7 +85,7 @@ fn effects(text: &str) -> Result<Effects, String> {
     })
 }
 
-/// The effects that a log says were looked for; all, if it says nothing.
+/// The effects that the log names; all if it names none.
 fn said_effects(log: &Log) -> Result<Effects, InputError> {
     let said = log.metadata().effects.as_deref().unwrap_or("auto");
     effects(said).map_err(|error| InputError::new(format!("'# effects: {said}': {error}")))
@@ -119,11 +119,11 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
     Ok(config)
 }
 
-/// What presses the block onto the ice.
+/// The force that presses the block onto the ice.
 struct Pressed {
-    /// Its weight, or the normal force under the ice, N.
+    /// Weight of the block, or the normal force under the ice, N.
     force_n: f64,
-    /// Its mass, kg, where that is not the force over gravity.
+    /// Mass of the block, kg, where it is not the force over gravity.
     mass_kg: Option<f64>,
 }
 
@@ -152,7 +152,7 @@ fn pressed(log: &Log, options: &TestOptions, slope_deg: f64) -> Result<Pressed, 
     }
 }
 
-/// The block's weight is not known; a line of the log that was meant to say it is named.
+/// The error for an unknown weight; it names a line of the log that looks like a misspelt weight.
 fn no_weight(notes: &[Note]) -> InputError {
     let meant = notes.iter().find(|note| ["weight_n", "mass_kg"].contains(&note.key.as_str()));
     InputError::new(match meant {
@@ -164,16 +164,16 @@ fn no_weight(notes: &[Note]) -> InputError {
 }
 
 impl TestOptions {
-    /// What the core is not told.
+    /// The settings that the core does not need.
     #[must_use]
     pub fn around(&self) -> Around {
         Around { known: *self.known, keeps_means: false }
     }
 
-    /// The numbers of the test, but for a calibration.
+    /// The numbers of the test, without the calibration.
     pub fn inputs(&self, log: &Log) -> impl Iterator<Item = Input> {
         let said = log.metadata();
-        // What one of these gives, the log says for nothing with another.
+        // A weight or mass of the caller replaces both of the log.
         let is_given = self.weight_n.or(self.mass_kg).is_some();
         let weighed = |said: Option<f64>| said.filter(|_| !is_given);
         let normal_n = said.normal_n.filter(|_| self.weight_n.is_none());
@@ -190,12 +190,12 @@ impl TestOptions {
     }
 }
 
-/// What the core is not told of a test.
+/// Settings of a replay that the core does not need.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Around {
-    /// Whether the means are kept as they were with each event, which a report draws.
+    /// Whether the means after each event are kept, for a report to draw.
     pub keeps_means: bool,
-    /// How well the inputs are known, and the zero to take off.
+    /// Uncertainties of the inputs, and the zero to subtract.
     pub known: KnownOptions,
 }
 

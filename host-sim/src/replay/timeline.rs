@@ -1,8 +1,8 @@
-//! Sample times back to the log's own seconds.
+//! Conversion of sample times to the log's own seconds.
 
 use floe_core::SampleTime;
 
-/// Samples remembered; an event is complete long before so many have passed.
+/// Samples remembered; an event is complete long before this many have passed.
 const REMEMBERED: usize = 4096;
 
 /// The times of the latest samples.
@@ -16,7 +16,7 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// Before the first sample.
+    /// A timeline without samples.
     #[must_use]
     pub fn new(rate_hz: f64) -> Self {
         Self { rate_hz, recent: vec![None; REMEMBERED], first_s: None, last: (0, 0.0) }
@@ -31,8 +31,8 @@ impl Timeline {
         }
     }
 
-    /// A moment in the log's seconds: from the sample at or before it, through a
-    /// gap at the sampling rate.
+    /// A moment in the log's seconds: counted at the sampling rate from the last sample at or
+    /// before it, also through a gap.
     #[must_use]
     pub fn seconds(&self, moment: SampleTime) -> f64 {
         let oldest = moment.index.saturating_sub(REMEMBERED as u32 - 1);

@@ -6,8 +6,7 @@ use crate::replay::budget::BudgetShare;
 use crate::replay::result::{CoefficientSummary, ReplayResult};
 use crate::rounding::{own_digits, part_of};
 
-/// Input, value, standard deviation, and what it does to both coefficients; nothing before
-/// the first event.
+/// Input, value, standard deviation, and effect on both coefficients; empty before the first event.
 pub(super) fn budget(result: &ReplayResult) -> String {
     if result.budget.is_empty() {
         return String::new();

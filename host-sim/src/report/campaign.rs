@@ -18,13 +18,13 @@ const TREND_STYLE: &str = ".trend { stroke: var(--tone); stroke-width: 2; }\n\
     .rist { stroke: var(--ink); stroke-width: 1.5; stroke-dasharray: 5 4; }\n\
     main td:last-child, main th:last-child { text-align: right; white-space: nowrap; min-width: 0; }\n";
 
-/// Points of a plot are drawn up to this many.
+/// Largest number of points in a plot.
 const MOST_POINTS: usize = 2000;
 
-/// Groups that are drawn, each with the class of its tone.
+/// Groups that are drawn, each with its CSS class.
 const DRAWN: [(Group, &str); 2] = [(Group::NoSnow, "dynamic"), (Group::Snow, "static")];
 
-/// The page for a campaign's tests and their summary.
+/// The page for the tests and the summary of a campaign.
 #[must_use]
 pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
     let figures: String =
@@ -45,7 +45,7 @@ pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
     document("Campaign", TREND_STYLE, &body)
 }
 
-/// With a real minus sign, and a dash for nothing.
+/// The text with a typographic minus sign; a dash for no value.
 fn minus(text: &str) -> String {
     if text == "-" { "–".to_owned() } else { text.replace('-', "\u{2212}") }
 }
@@ -135,8 +135,8 @@ impl Panel<'_> {
         })
     }
 
-    /// The groups with their lines; against snow, and where snow is not known,
-    /// one line through all.
+    /// The lines of both groups; one line through all tests against snow, and where the snow is not
+    /// known.
     fn lines(&self) -> Vec<(&NamedTrend, &'static str)> {
         let own = DRAWN.iter().filter_map(|&(g, tone)| Some((self.trend(g)?, tone)));
         let own: Vec<_> = own.collect();
@@ -215,8 +215,8 @@ impl Panel<'_> {
         plot.finish()
     }
 
-    /// Rist (1997): a shear force proportional to `N^(2/3)`, so a coefficient to
-    /// `N^(-1/3)`, through the mean of all tests.
+    /// Rist (1997): shear force proportional to `N^(2/3)`, hence a coefficient proportional to
+    /// `N^(-1/3)`, drawn through the mean of all tests.
     fn draw_rist(&self, plot: &mut Plot) {
         let points = self.points(Group::All);
         let sum: f64 = points.iter().map(|(weight, value)| value * weight.cbrt()).sum();

@@ -1,11 +1,11 @@
 //! Stretches of the log at full resolution, spread over its whole length.
 
-/// Clips at most; half as many at least once the log is long.
+/// Largest number of clips; a long log keeps at least half as many.
 const MOST: usize = 16;
 /// Length of a clip, s, within the bounds below.
 const LENGTH_S: f64 = 256.0;
 
-/// Samples next to each other.
+/// Consecutive samples.
 #[derive(Clone, Debug)]
 struct Clip {
     number: u64,
@@ -14,8 +14,8 @@ struct Clip {
     forces_n: Vec<f32>,
 }
 
-/// The log is cut into clips of equal length. Every one is kept while there is
-/// room, then every second one, then every fourth, ...
+/// Clips of equal length. All are kept while there is room, then every second one, then every
+/// fourth, ...
 #[derive(Clone, Debug)]
 pub(super) struct Clips {
     period_s: f64,
@@ -54,7 +54,7 @@ impl Clips {
         }
     }
 
-    /// Takes a sample back: it was a spike.
+    /// Removes a sample that turned out to be a spike.
     pub fn forget(&mut self, offset: u64) {
         let (number, within) = (offset / self.length, (offset % self.length) as usize);
         let clip = self.kept.iter_mut().rev().find(|clip| clip.number == number);

@@ -1,19 +1,19 @@
-//! What the script needs for its data points and its closer looks: samples and events as
-//! numbers, in the units that are shown.
+//! Data for the script of the page, which shows values and close-ups: samples and events as
+//! numbers, in the displayed units.
 
 use super::context::Context;
 use super::fit::reach_s;
 use super::table::chosen;
 use crate::replay::result::EventSummary;
 
-/// Samples at most; of a log at 16 Hz all that are kept at full resolution.
+/// Largest number of samples; a log at 16 Hz has all that are kept at full resolution.
 const MOST_SAMPLES: usize = 1 << 16;
-/// Events at most.
+/// Largest number of events.
 const MOST_EVENTS: usize = 3000;
-/// A force is told to about this part of the range of the log.
+/// Upper limit of the quantization step of forces, as a share of the log's range.
 const RESOLUTION: f64 = 2e-4;
 
-/// A data block: numbers only, so that no text from a log is in it.
+/// The data block of the page: numbers only, so that it holds no text of a log.
 pub(super) fn data(context: &Context<'_>) -> String {
     let Some((low_n, high_n)) = context.recorder.range_n() else { return String::new() };
     let range = ((high_n - low_n) * context.force.factor).max(1e-9);
@@ -43,7 +43,7 @@ pub(super) fn data(context: &Context<'_>) -> String {
     )
 }
 
-/// Samples next to each other.
+/// Consecutive samples.
 struct Stretch<'a> {
     first: u64,
     start_s: f64,
@@ -51,7 +51,7 @@ struct Stretch<'a> {
     forces_n: &'a [f32],
 }
 
-/// The stretches at full resolution, those nearest to the event looked at if not all fit.
+/// The stretches at full resolution; if not all fit, those nearest to the event in focus.
 fn stretches<'a>(context: &Context<'a>) -> Vec<Stretch<'a>> {
     let period_s = context.recorder.period_s();
     let stretch = |(first, start_s, forces_n): (u64, f64, &'a [f32])| {
@@ -82,8 +82,8 @@ fn clip(context: &Context<'_>, stretch: &Stretch<'_>, step: f64) -> String {
     format!("[{},{start},[{}]]", stretch.first, forces.join(","))
 }
 
-/// What the script calls index, from, onset, stop, to, fs, fp, fe, pull, omega, slack,
-/// mu_s and mu.
+/// The fields of an event, in the order of the script: index, from, onset, stop, to, fs, fp, fe,
+/// pull, omega, slack, mu_s and mu.
 fn event(context: &Context<'_>, position: usize, step: f64) -> Option<String> {
     let events = &context.result.events;
     let e = events.get(position)?;
@@ -109,7 +109,7 @@ fn event(context: &Context<'_>, position: usize, step: f64) -> Option<String> {
     ))
 }
 
-/// Seven digits, as few characters as they need.
+/// A number with seven significant digits, without trailing zeros.
 fn short(x: f64) -> String {
     if !x.is_finite() {
         return "null".into();
@@ -145,7 +145,7 @@ mod tests {
         assert!((events[3][2].as_f64().unwrap() - log.result.events[3].onset_s).abs() < 1e-4);
     }
 
-    /// The script adds it to every time that it says.
+    /// The script adds `zero` to every time that it shows.
     #[test]
     fn times_from_the_start_of_the_log_come_with_it() {
         let log = SampleLog::dff8_13(10.0);

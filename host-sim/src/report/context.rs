@@ -1,4 +1,4 @@
-//! What all figures share, and which event they look at closely.
+//! Input shared by all figures, and the event in focus.
 
 use super::fit::neighbours;
 use super::number::Unit;
@@ -11,26 +11,26 @@ use crate::replay::result::{EventSummary, ReplayResult};
 pub(super) struct Context<'a> {
     pub result: &'a ReplayResult,
     pub recorder: &'a Recorder,
-    /// For forces.
+    /// Unit of forces.
     pub force: Unit,
-    /// Taken off every time in a figure, s: 0, or the start of a log whose
-    /// times are too large for tick labels.
+    /// Subtracted from every time in a figure, s: 0, or the start of a log whose times are too
+    /// large for tick labels.
     pub zero_s: f64,
 }
 
-/// An event to be looked at closely.
+/// The event shown in the close-ups.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Focus<'a> {
     pub event: &'a EventSummary,
-    /// About the time from one onset to the next, s.
+    /// Approximate time from one onset to the next, s.
     pub period_s: f64,
 }
 
-/// Beyond this, s, the times of a log are counted from its start.
+/// Start time, s, from which on the times of a log are counted from its start.
 const LONG_TIME_S: f64 = 1e5;
 
 impl Focus<'_> {
-    /// That its curve is no result, if it gives no coefficient.
+    /// Sentence for an event without a coefficient: its curve is no result.
     pub fn refused(&self) -> String {
         let reason = self.event.reason.as_deref().map(escape);
         reason.map_or_else(String::new, |reason| {
@@ -62,12 +62,12 @@ impl<'a> Context<'a> {
         format!("force <tspan class=\"sym\">F</tspan> ({})", self.force.name)
     }
 
-    /// A sample or a point of a curve as a figure shows it.
+    /// A sample or a point of a curve in the displayed units.
     pub fn shown(&self, (time_s, force_n): (f64, f64)) -> (f64, f64) {
         (time_s - self.zero_s, force_n * self.force.factor)
     }
 
-    /// The most typical event whose surroundings are kept at full resolution.
+    /// The most typical event among those whose surroundings are kept at full resolution.
     pub fn focus(&self) -> Option<Focus<'a>> {
         let events = &self.result.events;
         let best = (0..events.len())
@@ -87,7 +87,8 @@ impl<'a> Context<'a> {
         kept.then(|| (focus, self.oddness(position, event)))
     }
 
-    /// From its neighbours; for a single event from the forces and the rate.
+    /// Period around an event: from its neighbours; for a single event from the forces and the
+    /// rate.
     fn period_s(&self, position: usize) -> Option<f64> {
         let events = &self.result.events;
         let event = events.get(position)?;
@@ -101,7 +102,7 @@ impl<'a> Context<'a> {
         Some(if usable { period_s } else { 4.0 * event.slip_s.max(self.recorder.period_s()) })
     }
 
-    /// 0 for an event that is like the mean of all; larger for others.
+    /// Distance of an event from the mean of all: 0 for a typical one.
     fn oddness(&self, position: usize, event: &EventSummary) -> f64 {
         let estimate = &self.result.estimate;
         let off = |value: Option<f64>, mean: Option<f64>| match (value, mean) {

@@ -1,4 +1,4 @@
-//! How both coefficients settle as events come in.
+//! Convergence of both coefficients with the number of events.
 
 use super::context::Context;
 use super::figure::{Figure, both, dot_key, line_key, tint_key};
@@ -9,13 +9,13 @@ use super::scale::{Steps, extent};
 use super::svg::{Path, symbol};
 use crate::replay::events::Events;
 
-/// Events drawn at most; beyond it every second, third, ...
+/// Largest number of events drawn; of more, every second, third, ...
 const MOST_EVENTS: usize = 2500;
-/// Events up to which each has its error bar.
+/// Largest number of events drawn with error bars.
 const MOST_BARS: usize = 800;
-/// What stands for one event alone reaches so far to both sides, in events.
+/// Half width of the band of a single event, in events.
 const BESIDE: f64 = 0.3;
-/// Values up to which none is left outside the axis.
+/// Largest number of values all of which lie inside the axis.
 const ALL_INSIDE: usize = 100;
 
 /// The figure; none without a coefficient.
@@ -58,9 +58,9 @@ fn keys(drawn: &[&Panel], banded: bool) -> Vec<String> {
     keys
 }
 
-/// How many values are not drawn, in words.
+/// The number of values outside the axis, in words.
 fn outside(drawn: &[&Panel], events: &Events) -> String {
-    // Those that are kept stand for those in between.
+    // Each event that is kept stands for those up to the next.
     let every = events.found() as f64 / events.len() as f64;
     match drawn.iter().map(|panel| panel.outside()).sum::<usize>() {
         0 => String::new(),
@@ -72,7 +72,7 @@ fn outside(drawn: &[&Panel], events: &Events) -> String {
     }
 }
 
-/// One coefficient.
+/// The plot of one coefficient.
 struct Panel {
     kind: &'static str,
     subscript: &'static str,
@@ -129,7 +129,7 @@ impl Panel {
         plot.finish()
     }
 
-    /// From the lower ends of intervals to the upper ones, there and back.
+    /// Closed path along the upper ends of the intervals and back along the lower ones.
     fn band(&self, plot: &Plot, ends: impl Fn(&Running) -> Option<[f64; 2]>) -> Path {
         let (low, high) = self.domain;
         let known = self.course.iter().filter_map(|r| Some((r.event, ends(r)?)));
@@ -179,13 +179,13 @@ impl Panel {
     }
 }
 
-/// Both ends of what stands for one event alone, in events.
+/// Both ends of the band of a single event, in events.
 fn beside(event: f64) -> [f64; 2] {
     [event - BESIDE, event + BESIDE]
 }
 
-/// The values with their errors and the result; the strays of many are left out where they
-/// would take half of the room.
+/// Range of the axis: the values with their errors and the result; of many values, the outermost 1
+/// % may lie outside where they would take more than half of the range.
 fn domain(values: &[Measured], end: Option<&Running>) -> (f64, f64) {
     let sorted = |side: f64| {
         let mut ends: Vec<f64> = values.iter().map(|v| v.value + side * v.std).collect();

@@ -1,4 +1,4 @@
-//! Whether an event that begins to slip late also slides with more friction: `mu` against `mu_s`.
+//! Correlation of `mu` with `mu_s`: whether an event of high static friction also slides with more.
 
 use super::context::Context;
 use super::figure::{Figure, both, dot_key, line_key};
@@ -9,16 +9,16 @@ use crate::replay::events::Events;
 use crate::replay::result::EventSummary;
 use crate::rounding::digits;
 
-/// Fewest events that show a correlation.
+/// Fewest events for a correlation.
 const FEWEST: usize = 5;
-/// Most events drawn, evenly spread.
+/// Most events drawn, evenly spread over the log.
 const MOST: usize = 600;
 
-/// Correlation of two lists.
+/// Sample correlation of two lists.
 #[derive(Clone, Copy, Debug)]
 struct Correlation {
     value: f64,
-    /// Its 95 % interval.
+    /// 95 % interval.
     ci95: [f64; 2],
     means: [f64; 2],
 }
@@ -42,7 +42,7 @@ pub(super) fn correlation(context: &Context<'_>) -> Option<Figure> {
     Some(Figure { class: "pair", drawings: vec![drawing], keys, caption })
 }
 
-/// The events that are looked at: of a long log not all are kept.
+/// The events used, in words: of a long log not all are kept.
 fn which(pairs: usize, events: &Events) -> String {
     let pairs = count(pairs as u64);
     match events.found() {
@@ -53,7 +53,7 @@ fn which(pairs: usize, events: &Events) -> String {
     }
 }
 
-/// Decimals that show how wide an interval is.
+/// Decimals for both ends of an interval.
 fn decimals([low, high]: [f64; 2]) -> usize {
     digits((high - low) / 4.0).saturating_sub(1).clamp(2, 6)
 }
@@ -63,7 +63,7 @@ fn pair(event: &EventSummary) -> Option<(f64, f64)> {
 }
 
 impl Correlation {
-    /// Of pairs that scatter; the interval is Fisher's, `tanh(atanh r ± 1.96/√(n − 3))`.
+    /// The correlation of pairs that scatter; Fisher's interval, `tanh(atanh r ± 1.96/√(n − 3))`.
     fn of(pairs: &[(f64, f64)]) -> Option<Self> {
         let n = pairs.len() as f64;
         let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / n;

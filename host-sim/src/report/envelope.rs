@@ -1,13 +1,13 @@
 //! The whole log in a fixed number of buckets, each with its smallest and
 //! largest force.
 
-/// Buckets at most; half as many at least once the log is long.
+/// Largest number of buckets; a long log has at least half as many.
 const CAPACITY: usize = 4096;
 
 /// A stretch of the log.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bucket {
-    /// Time of its first sample, s; NaN while it has none.
+    /// Time of the first sample, s; NaN while there is none.
     pub start_s: f64,
     /// Smallest force, N.
     pub min_n: f32,
@@ -15,7 +15,7 @@ pub(super) struct Bucket {
     pub max_n: f32,
     /// Samples with a force.
     pub used: u32,
-    /// Samples without one: rejected, saturated, spikes.
+    /// Samples without a force: rejected, saturated, spikes.
     pub lost: u32,
 }
 
@@ -40,7 +40,7 @@ impl Bucket {
         }
     }
 
-    /// Both stretches as one.
+    /// The union of two neighbouring buckets.
     pub fn merged(self, next: Self) -> Self {
         Self {
             start_s: self.start_s.min(next.start_s),
@@ -52,7 +52,7 @@ impl Bucket {
     }
 }
 
-/// What has to be put back if the newest force turns out to be a spike.
+/// The state before the newest force, in case it turns out to be a spike.
 #[derive(Clone, Copy, Debug)]
 struct Undo {
     offset: u64,
@@ -91,7 +91,7 @@ impl Envelope {
         }
     }
 
-    /// Takes the newest force back: it was a spike.
+    /// Removes the newest force, which turned out to be a spike.
     pub fn forget(&mut self, offset: u64) {
         let Some(undo) = self.undo.take_if(|undo| undo.offset == offset) else { return };
         if let Some(bucket) = self.buckets.get_mut(undo.position) {
@@ -110,7 +110,7 @@ impl Envelope {
             .collect();
     }
 
-    /// In order of time; a bucket with nothing in it is a gap.
+    /// The buckets in order of time; an empty one is a gap.
     pub fn buckets(&self) -> &[Bucket] {
         &self.buckets
     }

@@ -1,18 +1,18 @@
-//! A figure on the page: drawings for both layouts, a key, a caption.
+//! A figure of the page: drawings for both layouts, a legend, a caption.
 
 use super::plot::Layout;
 use super::svg::Mark;
 
-/// What a figure consists of; every text safe for HTML.
+/// Parts of a figure; every text is safe for HTML.
 #[derive(Clone, Debug)]
 pub(super) struct Figure {
-    /// Class of the element.
+    /// CSS class of the element.
     pub class: &'static str,
     /// The drawings, each for both layouts.
     pub drawings: Vec<[String; 2]>,
-    /// Entries of the key.
+    /// Entries of the legend.
     pub keys: Vec<String>,
-    /// Without the number.
+    /// Caption without the number of the figure.
     pub caption: String,
 }
 
@@ -21,17 +21,17 @@ pub(super) fn both(draw: impl Fn(Layout) -> String) -> [String; 2] {
     [Layout::Wide, Layout::Narrow].map(draw)
 }
 
-/// An entry of the key: a line, as it is drawn.
+/// A legend entry: a line of this CSS class.
 pub(super) fn line_key(class: &str, label: &str) -> String {
     key(&format!("<path class=\"{class}\" d=\"M2 8H26\"/>"), label)
 }
 
-/// An entry of the key: dots.
+/// A legend entry: dots.
 pub(super) fn dot_key(class: &str, label: &str) -> String {
     key(&format!("<path class=\"{class}\" d=\"M6 8h0M14 8h0M22 8h0\"/>"), label)
 }
 
-/// An entry of the key: a tint.
+/// A legend entry: a tint.
 pub(super) fn tint_key(class: &str, label: &str) -> String {
     key(
         &format!("<rect class=\"{class} edge\" x=\"2\" y=\"2\" width=\"24\" height=\"12\"/>"),
@@ -39,7 +39,7 @@ pub(super) fn tint_key(class: &str, label: &str) -> String {
     )
 }
 
-/// The entries of the key for `Fs`, `Fp` and `Fe`.
+/// The legend entries for `Fs`, `Fp` and `Fe`.
 pub(super) fn mark_keys() -> [String; 3] {
     [
         (Mark::Static, "<i>F</i><sub>s</sub> slip onset"),
@@ -57,7 +57,7 @@ fn key(drawing: &str, label: &str) -> String {
 }
 
 impl Figure {
-    /// The element.
+    /// The HTML element.
     pub fn html(&self, number: usize) -> String {
         let drawings = self.drawings.iter();
         let drawings =

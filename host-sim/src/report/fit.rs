@@ -9,26 +9,26 @@ use crate::replay::result::EventSummary;
 pub(super) struct Ellipse {
     /// `Fp`, N.
     pub centre_n: f64,
-    /// Half the length along F, N (10).
+    /// Semi-axis along F, N (10).
     pub a_n: f64,
-    /// rad/s.
+    /// Angular frequency, rad/s.
     pub omega: f64,
     /// `omega (t - t0)` at the onset, rad, within -pi to 0.
     pub onset_phase: f64,
-    /// The same at the re-stick, rad.
+    /// `omega (t - t0)` at the re-stick, rad.
     pub stop_phase: f64,
 }
 
 impl Ellipse {
-    /// Of an event whose frequency is known.
+    /// The ellipse of an event; `None` if its frequency is not known.
     pub fn of(event: &EventSummary) -> Option<Self> {
         let omega = event.omega_rad_per_s.filter(|&omega| omega > 0.0)?;
         let above_n = event.static_force_n - event.dynamic_force_n;
         let beside_n = event.loading_rate_n_per_s / omega;
         let a_n = above_n.hypot(beside_n);
         let onset_phase = -beside_n.atan2(above_n);
-        // Fe = 2 Fp - Fs at the same rate (16, 18): half a turn more than the
-        // mirror image of the onset.
+        // Fe = 2 Fp - Fs at the same rate (16, 18): the phase of the re-stick is the mirror image
+        // of that of the onset plus half a turn.
         let ellipse = Self {
             centre_n: event.dynamic_force_n,
             a_n,
@@ -50,13 +50,13 @@ impl Ellipse {
         (-self.centre_n / self.a_n).clamp(-1.0, 1.0).acos()
     }
 
-    /// What a difference over ± one sampling period sees of the rate, 0 to 1.
+    /// Attenuation of the rate by a central difference over ± one sampling period, 0 to 1.
     pub fn attenuation(&self, period_s: f64) -> f64 {
         let angle = self.omega * period_s;
         angle.sin() / angle
     }
 
-    /// Phases from `from` to `to`, close enough for a smooth curve.
+    /// Phases from `from` to `to`, dense enough for a smooth curve.
     pub fn phases(from: f64, to: f64) -> impl Iterator<Item = f64> {
         let steps = 48;
         (0..=steps).map(move |i| from + (to - from) * f64::from(i) / f64::from(steps))
@@ -78,7 +78,7 @@ pub(super) fn slip_curve(event: &EventSummary) -> Vec<(f64, f64)> {
     Ellipse::phases(first, last).map(point).collect()
 }
 
-/// The arc down to no force at all, and none until the block rests.
+/// The arc down to zero force, then zero force until the block rests.
 fn slack_curve(event: &EventSummary, ellipse: &Ellipse) -> Vec<(f64, f64)> {
     let free_phase = ellipse.free_phase();
     let time_s = |phase: f64| event.onset_s + (phase - ellipse.onset_phase) / ellipse.omega;
@@ -88,7 +88,7 @@ fn slack_curve(event: &EventSummary, ellipse: &Ellipse) -> Vec<(f64, f64)> {
     curve
 }
 
-/// The time of rest before an event; from its forces when it was not seen, s.
+/// Time of rest before an event, s: observed, else from its forces, else the length of the slip.
 pub(super) fn rest_s(event: &EventSummary) -> f64 {
     let rise_n = event.static_force_n - event.restick_force_n;
     let from_forces = || Some(rise_n / event.loading_rate_n_per_s);
@@ -113,7 +113,7 @@ pub(super) fn line_after(event: &EventSummary, after_s: f64) -> Vec<(f64, f64)> 
     vec![(event.stop_s, event.restick_force_n), (event.stop_s + after_s, end_n)]
 }
 
-/// The events before and after one, where they are among those that are kept.
+/// The events before and after an event, where they are kept.
 pub(super) fn neighbours(
     events: &[EventSummary],
     position: usize,
@@ -126,7 +126,7 @@ pub(super) fn neighbours(
     (before, after.filter(|&after| event.is_some_and(|event| is_next((event, after)))))
 }
 
-/// For how long before the onset and after the re-stick an event's fit speaks, s: half-way to
+/// Times before the onset and after the re-stick for which an event's fit is used, s: half-way to
 /// its neighbours, or the time of its own rest.
 pub(super) fn reach_s(events: &[EventSummary], position: usize) -> (f64, f64) {
     let Some(event) = events.get(position) else { return (0.0, 0.0) };
@@ -137,7 +137,7 @@ pub(super) fn reach_s(events: &[EventSummary], position: usize) -> (f64, f64) {
     (since_s.unwrap_or(alone_s).max(0.0), until_s.unwrap_or(alone_s).max(0.0))
 }
 
-/// The model's force at a moment, N; NaN where it does not say one: after a slack cable.
+/// The model's force at a moment, N; NaN where the model gives none: after a slack cable.
 pub(super) fn model_n(event: &EventSummary, time_s: f64) -> f64 {
     if time_s <= event.onset_s {
         return event.static_force_n - event.loading_rate_n_per_s * (event.onset_s - time_s);

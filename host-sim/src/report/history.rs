@@ -10,7 +10,7 @@ use super::shading::shade;
 use super::svg::{Path, rectangle};
 use super::zoom::window_s;
 
-/// Samples per px up to which every one is drawn.
+/// Largest number of samples per px for which every sample is drawn.
 const SAMPLES_PER_PX: usize = 4;
 
 /// The figure; none if no sample had a force.
@@ -94,7 +94,7 @@ fn grouped(buckets: &[Bucket], size: usize) -> Vec<Bucket> {
     buckets.chunks(size.max(1)).filter_map(merge).collect()
 }
 
-/// From smallest to largest force, an outline for every stretch without a gap.
+/// An outline from smallest to largest force, one for every stretch without a gap.
 fn band(context: &Context<'_>, plot: &Plot, columns: &[Bucket]) -> String {
     let mut path = Path::default();
     for run in columns.chunk_by(|a, b| a.used > 0 && b.used > 0) {

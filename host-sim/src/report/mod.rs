@@ -1,4 +1,4 @@
-//! The report of a replay: one HTML file that needs nothing else.
+//! The report of a replay: one self-contained HTML file.
 //!
 //! ```text
 //!  Step, every sample ─► Recorder ─┐
@@ -6,9 +6,8 @@
 //!  ReplayResult ───────────────────┘
 //! ```
 //!
-//! Figures are drawn by hand as SVG, each for a wide and for a narrow screen;
-//! colours follow the reader's light or dark setting. Its size is bounded
-//! whatever the length of the log.
+//! Figures are SVG, each for a wide and for a narrow screen; colours follow the reader's light or
+//! dark setting. The size of the file is bounded, whatever the length of the log.
 
 mod budget;
 mod campaign;
@@ -47,13 +46,13 @@ pub use recorder::Recorder;
 
 use crate::replay::result::ReplayResult;
 
-/// The page for a result, with the samples that `recorder` saw.
+/// The page for a result and the samples of its `recorder`.
 #[must_use]
 pub fn render(result: &ReplayResult, recorder: &Recorder, provenance: &Provenance) -> String {
     page::page(&context::Context::new(result, recorder), provenance)
 }
 
-/// Its figures as SVG files: name and content.
+/// The figures as SVG files: name and content.
 #[must_use]
 pub fn figures(result: &ReplayResult, recorder: &Recorder) -> Vec<(String, String)> {
     page::drawings(&context::Context::new(result, recorder))

@@ -1,4 +1,4 @@
-//! Numbers for people: digits that mean something, units that suit.
+//! Numbers for people: significant digits and suitable units.
 
 /// `x` with a fixed number of decimals and a real minus sign.
 pub(super) fn fixed(x: f64, decimals: usize) -> String {
@@ -35,17 +35,17 @@ pub(super) fn count(n: u64) -> String {
     digits.char_indices().flat_map(group).collect()
 }
 
-/// A unit with a prefix that keeps its numbers short.
+/// A unit with an SI prefix that keeps its numbers short.
 #[derive(Clone, Debug)]
 pub(super) struct Unit {
-    /// Multiply a value in the base unit by this.
+    /// Factor from the base unit to this one.
     pub factor: f64,
     /// Prefix and base unit.
     pub name: String,
 }
 
 impl Unit {
-    /// For values of up to `largest` in the unit `base`.
+    /// The unit for values of up to `largest` in the unit `base`.
     pub fn suited(largest: f64, base: &str) -> Self {
         let (factor, prefix) = match largest.abs() {
             x if x >= 2e6 => (1e-6, "M"),

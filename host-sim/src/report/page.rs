@@ -38,7 +38,8 @@ pub(super) fn page(context: &Context<'_>, provenance: &Provenance) -> String {
     document(&name, "", &body)
 }
 
-/// A page with the style, `more` of it, and the script of all reports; name and body are safe.
+/// An HTML page with the common style, additional style `more`, and the common script; name and
+/// body are safe.
 pub(super) fn document(name: &str, more: &str, body: &str) -> String {
     let script = format!("\n{SCRIPT}");
     let policy = policy(&script);
@@ -51,14 +52,14 @@ pub(super) fn document(name: &str, more: &str, body: &str) -> String {
     )
 }
 
-/// Said over everything else of what was computed.
+/// The notice above a result that was simulated.
 pub(super) fn simulated(said: Option<&str>) -> String {
     said.map_or_else(String::new, |said| {
         format!("<p class=\"simulated\"><b>SIMULATED</b> {}</p>", escape(said))
     })
 }
 
-/// The test, or the file.
+/// Name of the test, else of the file.
 fn name(result: &ReplayResult) -> String {
     let id = result.test.test_id.as_deref().filter(|id| !id.trim().is_empty());
     id.map_or_else(|| file_name(&result.log.path).to_owned(), |id| format!("Test {id}"))
@@ -84,7 +85,7 @@ fn test_line(result: &ReplayResult) -> String {
     format!("{block} · <span class=\"path\">{}</span>", escape(&result.log.path))
 }
 
-/// Those that there is something to draw in.
+/// The figures for which there are data.
 fn drawn(context: &Context<'_>) -> Vec<Figure> {
     let focus = context.focus();
     let focus = focus.as_ref();
@@ -109,7 +110,7 @@ fn figures(context: &Context<'_>) -> String {
     }
 }
 
-/// The drawings for a wide page, each an SVG file of its own with its style.
+/// The drawings for a wide page, each a complete SVG file with its style.
 pub(super) fn drawings(context: &Context<'_>) -> Vec<(String, String)> {
     let figures = drawn(context);
     let wide = figures.iter().flat_map(|figure| &figure.drawings).filter_map(|[svg, _]| {

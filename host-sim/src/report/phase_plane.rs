@@ -35,7 +35,7 @@ pub(super) fn phase_plane(context: &Context<'_>, focus: Option<&Focus<'_>>) -> O
     Some(Figure { class: "plane", drawings: vec![drawing], keys, caption })
 }
 
-/// What is drawn.
+/// The data of the figure.
 struct Plane<'a> {
     context: &'a Context<'a>,
     focus: Option<&'a Focus<'a>>,
@@ -59,7 +59,7 @@ impl<'a> Plane<'a> {
         (force_n * self.context.force.factor, rate_n_per_s * self.rate.factor)
     }
 
-    /// The whole turn of the ellipse; `seen` is the share of the rate.
+    /// The full ellipse; `seen`: attenuation of the rate.
     fn turn(&self, ellipse: &Ellipse, from: f64, to: f64, seen: f64) -> Vec<(f64, f64)> {
         let point = |phase| {
             let (force_n, rate) = ellipse.at(phase);
@@ -96,7 +96,7 @@ impl<'a> Plane<'a> {
         }
     }
 
-    /// Whether a moment belongs to the loop of the event looked at.
+    /// Whether a moment belongs to the cycle of the event in focus.
     fn of_event(&self, time_s: f64) -> bool {
         let Some(focus) = self.focus else { return false };
         let event = focus.event;
@@ -158,8 +158,8 @@ impl<'a> Plane<'a> {
         }
     }
 
-    /// What a difference over ±1 sample sees of the rate, if both samples lie
-    /// within the slip.
+    /// Attenuation of the rate by a difference over ±1 sample, where both samples can lie within
+    /// the slip.
     fn seen(&self) -> Option<f64> {
         let period_s = self.context.recorder.period_s();
         let (ellipse, focus) = self.ellipse.zip(self.focus)?;
@@ -192,7 +192,7 @@ impl<'a> Plane<'a> {
     }
 }
 
-/// A head of an arrow; `along` is 1 to the right and -1 to the left.
+/// An arrow head; `along` is 1 to the right and -1 to the left.
 fn arrow(x: f64, y: f64, along: f64) -> String {
     let tail = 6.0 * along;
     format!(
@@ -222,7 +222,7 @@ fn samples(context: &Context<'_>, focus: Option<&Focus<'_>>) -> Vec<(f64, f64, f
         }
         _ => None,
     };
-    // One whole cycle has to be among them, also at a high rate.
+    // The samples must hold one whole cycle, also at a high rate.
     let per_cycle = focus.map_or(0.0, |focus| 1.5 * focus.period_s / context.recorder.period_s());
     let step = (per_cycle as usize).div_ceil(MOST_SAMPLES).max(1);
     let all: Vec<_> = window.windows(3).step_by(step).filter_map(difference).collect();

@@ -1,10 +1,10 @@
-//! Axes with ticks, and what is drawn between them.
+//! Plots: axes with ticks, and the drawing between them.
 
 use super::scale::{Scale, Steps, Ticks, ticks};
 use super::svg::{Path, coordinate, escape, rectangle, text};
 
-/// The page is drawn twice, for a wide screen or paper and for a phone; the
-/// style sheet shows the one that fits.
+/// Layout of a drawing. The page holds both, for a wide screen or paper and for a phone; the style
+/// sheet shows the one that fits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layout {
     /// From about 820 px on, and on paper.
@@ -30,60 +30,60 @@ impl Layout {
 /// One axis.
 #[derive(Clone, Debug)]
 pub(super) struct Axis {
-    /// Smallest and largest value.
+    /// Smallest and largest value of the axis.
     pub domain: (f64, f64),
-    /// How its ticks are apart.
+    /// Spacing of the ticks.
     pub steps: Steps,
-    /// What it is, safe for SVG.
+    /// Label, safe for SVG.
     pub label: String,
     /// Symbol and unit for the read-out under the pointer.
     pub readout: (&'static str, String),
 }
 
-/// What a plot is and how large.
+/// Description of a plot.
 #[derive(Clone, Debug)]
 pub(super) struct Spec<'a> {
-    /// Unique on the page, apart from the layout.
+    /// Identifier, unique on the page within a layout.
     pub id: &'a str,
-    /// Which of the two.
+    /// Layout that the plot is for.
     pub layout: Layout,
     /// Width and height, px.
     pub size: (f64, f64),
-    /// For those who cannot see it: what it is.
+    /// Title for readers who cannot see the plot.
     pub title: &'a str,
-    /// And what there is to be seen.
+    /// Description for readers who cannot see the plot.
     pub description: &'a str,
-    /// To the right.
+    /// Horizontal axis.
     pub x: Axis,
-    /// Upwards.
+    /// Vertical axis.
     pub y: Axis,
 }
 
 /// A plot that is being drawn.
 #[derive(Clone, Debug)]
 pub(super) struct Plot {
-    /// From values to the right.
+    /// Horizontal scale.
     pub x: Scale,
-    /// From values upwards.
+    /// Vertical scale.
     pub y: Scale,
     head: String,
     inside: String,
     above: String,
 }
 
-/// Room for the labels of the vertical axis, of so many digits.
+/// Room for the labels of the vertical axis, px, if they have up to `LEFT_DIGITS` digits.
 const LEFT: f64 = 54.0;
 const LEFT_DIGITS: usize = 5;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
-/// Ticks of the horizontal axis are as far apart as this, where their labels are short.
+/// Spacing of the ticks of the horizontal axis, px, where their labels are short.
 const APART: f64 = 68.0;
-/// About the width of a digit.
+/// Approximate width of a digit, px.
 const DIGIT: f64 = 8.0;
 
 impl Plot {
-    /// Axes, ticks and labels, nothing else yet.
+    /// An empty plot with axes, ticks and labels.
     pub fn new(spec: &Spec<'_>) -> Self {
         let (width, height) = spec.size;
         let y = Scale { domain: spec.y.domain, range: (height - BOTTOM, TOP) };
@@ -123,12 +123,12 @@ impl Plot {
         (self.x.at(x), self.y.at(y))
     }
 
-    /// Draws between the axes, cut off there.
+    /// Draws within the axes; what lies outside is clipped.
     pub fn draw(&mut self, element: &str) {
         self.inside.push_str(element);
     }
 
-    /// Draws over everything, not cut off.
+    /// Draws on top of everything, without clipping.
     pub fn annotate(&mut self, element: &str) {
         self.above.push_str(element);
     }
@@ -139,7 +139,7 @@ impl Plot {
         self.draw(&path.element(class));
     }
 
-    /// Points at pairs of values, those outside the axes left out.
+    /// Points at pairs of values; those outside the axes are left out.
     pub fn dots(&mut self, class: &str, values: impl IntoIterator<Item = (f64, f64)>) {
         let path = Path::dots(values.into_iter().filter(|&v| self.contains(v)).map(|v| self.at(v)));
         self.draw(&path.element(class));
@@ -170,7 +170,7 @@ impl Plot {
     }
 }
 
-/// The opening tags up to the group that is cut off at the axes.
+/// The opening tags, up to the group that is clipped at the axes.
 fn open(spec: &Spec<'_>, x: &Scale, y: &Scale) -> String {
     let class = spec.layout.class();
     let id = format!("{}-{class}", spec.id);
@@ -188,7 +188,7 @@ fn open(spec: &Spec<'_>, x: &Scale, y: &Scale) -> String {
     )
 }
 
-/// As many ticks as their labels leave room for; the last one may be moved in from the edge by
+/// As many ticks as there is room for their labels; the last label may be moved in from the edge by
 /// nearly half its width.
 fn across(x: &Scale, steps: Steps) -> Ticks {
     let apart = |px: f64| ticks(x.domain, (x.range.1 - x.range.0) / px, steps);
@@ -198,14 +198,14 @@ fn across(x: &Scale, steps: Steps) -> Ticks {
     if needed > APART { apart(needed) } else { usual }
 }
 
-/// What the script needs to turn a place into a value.
+/// Scale of an axis for the script, which converts a place into a value.
 fn readout(scale: &Scale, axis: &Axis) -> String {
     let ((low, high), (from, to)) = (scale.domain, scale.range);
     let (name, unit) = &axis.readout;
     format!("{low}|{high}|{}|{}|{name}|{}", coordinate(from), coordinate(to), escape(unit))
 }
 
-/// Labels of ticks; `place` is given the value and about the width of its label.
+/// Labels of ticks; `place` takes the value and the approximate width of its label.
 fn labels(ticks: &Ticks, class: &str, place: impl Fn(f64, f64) -> (f64, f64)) -> String {
     let label = |&v: &f64| {
         let label = ticks.label(v);
@@ -219,7 +219,7 @@ fn labels(ticks: &Ticks, class: &str, place: impl Fn(f64, f64) -> (f64, f64)) ->
 mod tests {
     use super::*;
 
-    /// A constant force has labels of eight digits.
+    /// The labels of a constant force have eight digits.
     #[test]
     fn labels_do_not_touch() {
         for domain in [(499.9997, 500.0003), (1_234.567_8, 1_234.567_9), (0.0, 800.0)] {
@@ -233,7 +233,7 @@ mod tests {
         }
     }
 
-    /// `500.0002` that is cut off on the left reads `0.0002`.
+    /// If `500.0002` were cut off on the left, it would read `0.0002`.
     #[test]
     fn the_longest_label_is_on_the_paper() {
         let left = |domain| {

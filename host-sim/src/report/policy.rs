@@ -1,4 +1,4 @@
-//! What a browser may do for the page: show it, and run its one script.
+//! What a browser may do with the page: show it and run its one script.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -19,7 +19,7 @@ pub(super) fn policy(script: &str) -> String {
 mod tests {
     use super::*;
 
-    /// The hash of the empty text is in every table.
+    /// The hash of the empty text is a published test vector.
     #[test]
     fn the_hash_is_sha_256_in_base_64() {
         let policy = policy("");

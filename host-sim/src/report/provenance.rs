@@ -1,24 +1,24 @@
-//! Where a report comes from: enough to make it again.
+//! Origin of a report, for reproducing it.
 
 use super::svg::escape;
 use crate::replay::result::ReplayResult;
 use crate::replay::table::effect;
 
-/// What a reviewer needs to make the same report.
+/// The facts needed to reproduce a report.
 #[derive(Clone, Debug, Default)]
 pub struct Provenance {
     /// The command as it was given.
     pub command: String,
     /// The commit that the program was built from, where the build knew it.
     pub commit: Option<&'static str>,
-    /// SHA-256 of the log, where it was read to its end.
+    /// SHA-256 of the log, if it was read to its end.
     pub sha256: Option<String>,
     /// When the report was made, ISO 8601.
     pub made_at: Option<String>,
 }
 
 impl Provenance {
-    /// The lines of the page's foot, with what was looked for and found beyond the linear model.
+    /// The lines of the page's foot, with the effects looked for and found beyond the linear model.
     pub(super) fn html(&self, result: &ReplayResult) -> String {
         let line = |name: &str, value: Option<&str>| {
             let value = value.filter(|value| !value.is_empty());

@@ -1,4 +1,4 @@
-//! What the figures need to remember of the samples.
+//! Samples kept for the figures.
 
 use floe_core::{SampleFlag, Step};
 
@@ -31,8 +31,8 @@ impl Recorder {
         }
     }
 
-    /// Takes what the pipeline made of one sample, and the sample's time in the
-    /// log, s. Call it for every sample, in order.
+    /// Takes a processed sample and its time in the log, s. To be called for every sample, in
+    /// order.
     pub fn push(&mut self, time_s: f64, step: &Step) {
         let sample = &step.sample;
         let first = *self.first_index.get_or_insert(sample.index);
@@ -56,7 +56,7 @@ impl Recorder {
         self.period_s
     }
 
-    /// Times of the first and of the end of the last sample, s.
+    /// Time of the first sample and of the end of the last one, s.
     pub(super) fn span_s(&self) -> Option<(f64, f64)> {
         let with_time = || self.envelope.buckets().iter().filter(|b| b.start_s.is_finite());
         let (first, last) = (with_time().next()?, with_time().next_back()?);

@@ -1,4 +1,4 @@
-//! What the fits leave over: samples minus model, all events on one another.
+//! Residuals of the fits: samples minus model, all events superposed.
 
 use super::context::Context;
 use super::figure::{Figure, both, dot_key, tint_key};
@@ -11,9 +11,9 @@ use crate::replay::result::EventSummary;
 
 /// Most samples drawn, in full events from the beginning.
 const MOST_SAMPLES: usize = 4000;
-/// Beside the slip so many slips long are shown.
+/// Time shown on either side of a slip, in slip lengths.
 const BESIDE: f64 = 2.0;
-/// Residuals beyond so many standard deviations of the noise are drawn at the edge.
+/// Residual, in standard deviations of the noise, beyond which a point is drawn at the edge.
 const EDGE: f64 = 12.0;
 
 /// The figure; none without an event whose samples are kept.

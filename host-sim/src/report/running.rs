@@ -1,9 +1,8 @@
-//! The coefficient and its uncertainty after the first event, after the second, ...: what
-//! the core said at that time.
+//! Coefficient and uncertainty after each event, as the core computed them at that time.
 
 use crate::replay::result::{CoefficientSummary, EventSummary};
 
-/// One event's value.
+/// Value of one event.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measured {
     /// Number of the event.
@@ -21,14 +20,14 @@ pub(super) struct Running {
     pub event: f64,
     /// Mean.
     pub mean: f64,
-    /// Its combined standard deviation, and its 95 % interval; `None` after one event.
+    /// Combined standard deviation of the mean, and its 95 % interval; `None` after one event.
     pub band: Option<(f64, [f64; 2])>,
 }
 
 /// Results drawn at most.
 const MOST: usize = 240;
 
-/// The values that count.
+/// The values of the events that count.
 pub(super) fn measured(
     events: &[EventSummary],
     pick: impl Fn(&EventSummary) -> (Option<f64>, Option<f64>),
@@ -42,7 +41,7 @@ pub(super) fn measured(
     events.iter().filter_map(value).collect()
 }
 
-/// Results on the way, at most [`MOST`] and the last one.
+/// Results after some of the events, at most [`MOST`], and the last one.
 pub(super) fn course<'a>(
     means: impl ExactSizeIterator<Item = &'a CoefficientSummary>,
     events: &[EventSummary],

@@ -1,5 +1,5 @@
-//! A log for the tests of the report: the exact solution of the model, event by
-//! event, with white noise and a little variation between events.
+//! A log for the tests of the report: the exact solution of the model, event by event, with white
+//! noise and a small variation between events.
 
 use floe_core::{ForceSample, SampleFlag, Step};
 
@@ -96,7 +96,7 @@ fn force_n(events: &[EventSummary], time_s: f64) -> f64 {
     e.dynamic_force_n + above.hypot(beside) * phase.cos()
 }
 
-/// The mean and its uncertainty after these values.
+/// Mean and uncertainty of these values.
 fn coefficient(values: &[f64]) -> CoefficientSummary {
     let (n, systematic) = (values.len() as f64, 0.003_f64);
     let mean = values.iter().sum::<f64>() / n;
@@ -137,8 +137,8 @@ impl SampleLog {
         Self { times_s, steps, result }
     }
 
-    /// With what goes wrong in the field: a slack event, a clipped one, an
-    /// unresolved one, a gap, saturated samples and warnings.
+    /// A log with troubles of the field: a slack event, a clipped one, an unresolved one, a gap,
+    /// saturated samples and warnings.
     pub fn troubled(duration_s: f64) -> Self {
         let mut log = Self::dff8_13(duration_s);
         let [_, second, third, fourth, ..] = &mut log.result.events.kept[..] else { return log };
@@ -164,7 +164,7 @@ impl SampleLog {
         log
     }
 
-    /// The same samples without a result.
+    /// The log's samples without a result.
     pub fn without_events(mut self) -> Self {
         self.keep_events(0);
         self
@@ -188,7 +188,7 @@ impl SampleLog {
         }
     }
 
-    /// All forces times `factor` (to try other units).
+    /// All forces times `factor`, for tests with other units.
     pub fn scaled(mut self, factor: f64) -> Self {
         for step in &mut self.steps {
             step.sample.force_n = step.sample.force_n.map(|f| f * factor as f32);

@@ -1,13 +1,13 @@
-//! From values to places on paper.
+//! Linear scales from values to coordinates, and ticks.
 
 use super::number::fixed;
 
-/// A straight map from values to coordinates.
+/// A linear map from values to coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     /// Values at the two ends.
     pub domain: (f64, f64),
-    /// Coordinates there.
+    /// Coordinates of the two ends.
     pub range: (f64, f64),
 }
 
@@ -19,7 +19,7 @@ impl Scale {
     }
 }
 
-/// Width at which the labels of [`MOST_DECIMALS`] still differ, with a hundred of them and more.
+/// Least width of an interval, in its unit: a hundred labels with [`MOST_DECIMALS`] still differ.
 const NARROWEST: f64 = 1e-6;
 /// Decimals of a label at most.
 const MOST_DECIMALS: i32 = 9;
@@ -41,31 +41,31 @@ pub(super) fn extent(values: impl IntoIterator<Item = f64>, margin: f64) -> (f64
     (centre - half, centre + half)
 }
 
-/// How ticks are apart.
+/// Spacing of ticks.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Steps {
     /// 1, 2 or 5 times a power of ten.
     Decimal,
-    /// The same, 1 at least.
+    /// 1, 2 or 5 times a power of ten, at least 1.
     Whole,
-    /// As time is counted; the values are seconds.
+    /// Round steps of time; the values are seconds.
     Time(TimeUnit),
 }
 
 /// A unit for the labels of a time axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TimeUnit {
-    /// As in labels.
+    /// Symbol in labels.
     pub name: &'static str,
-    /// Its length, s.
+    /// Length of the unit, s.
     length_s: f64,
-    /// Used from this span on, s.
+    /// Shortest span that uses the unit, s.
     from_s: f64,
-    /// Steps that are round in it; none: the decimal ones.
+    /// Steps that are round in the unit; empty: decimal steps.
     steps: &'static [f64],
 }
 
-/// From the longest on.
+/// Units in descending order.
 const TIME_UNITS: [TimeUnit; 4] = [
     TimeUnit { name: "d", length_s: 86_400.0, from_s: 4.0 * 86_400.0, steps: &[] },
     TimeUnit {
@@ -84,7 +84,7 @@ const TIME_UNITS: [TimeUnit; 4] = [
 ];
 
 impl TimeUnit {
-    /// The one that a span asks for.
+    /// The unit for a span.
     pub fn of(span_s: f64) -> Self {
         let [.., seconds] = TIME_UNITS;
         TIME_UNITS.into_iter().find(|unit| span_s >= unit.from_s).unwrap_or(seconds)
@@ -94,21 +94,21 @@ impl TimeUnit {
 /// Round values within an interval.
 #[derive(Clone, Debug)]
 pub(super) struct Ticks {
-    /// In order.
+    /// Values in ascending order.
     pub values: Vec<f64>,
-    /// What the labels count in.
+    /// Unit of the labels, in units of the values.
     pub unit: f64,
-    /// Decimals their labels need.
+    /// Decimals of the labels.
     pub decimals: usize,
 }
 
 impl Ticks {
-    /// What stands at one of them.
+    /// The label at a value.
     pub fn label(&self, value: f64) -> String {
         fixed(value / self.unit, self.decimals)
     }
 
-    /// Signs of the longest label.
+    /// Characters of the longest label.
     pub fn longest(&self) -> usize {
         self.values.iter().map(|&value| self.label(value).chars().count()).max().unwrap_or(0)
     }
@@ -131,7 +131,7 @@ pub(super) fn ticks((low, high): (f64, f64), wanted: f64, steps: Steps) -> Ticks
     Ticks { values, unit, decimals }
 }
 
-/// The round step next to `raw`, from above if there is one near.
+/// The nearest round step to `raw`, preferably above it.
 fn step(raw: f64, steps: Steps) -> f64 {
     let raw = match steps {
         Steps::Decimal => raw,

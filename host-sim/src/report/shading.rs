@@ -5,16 +5,16 @@ use super::fit::rest_s;
 use super::plot::Plot;
 use crate::replay::result::EventSummary;
 
-/// Slips closer than this, px, are shown as their share of time.
+/// Mean spacing of slips, px, below which their share of time is shown instead.
 const APART_PX: f64 = 4.5;
-/// Cycles in a column of such a share, so that the columns do not flicker.
+/// Cycles per column of such a share, so that adjacent columns do not differ at random.
 const CYCLES: f64 = 4.0;
-/// Its least width, px.
+/// Least width of a column, px.
 const COLUMN_PX: f64 = 4.0;
-/// Steps of its strength, which grows with the root of the share.
+/// Levels of tint; the level is proportional to the square root of the share.
 const LEVELS: f64 = 5.0;
 
-/// Tints the plot.
+/// Tints stick and slip in a plot.
 pub(super) fn shade(context: &Context<'_>, plot: &mut Plot) {
     let events = &context.result.events;
     let Some(first) = events.first() else { return };
@@ -25,7 +25,7 @@ pub(super) fn shade(context: &Context<'_>, plot: &mut Plot) {
     }
 }
 
-/// Every slip of some events, and all between from the rest before the first of the log on.
+/// Tints every slip of `events`, and the rest from before the first event of the log on.
 pub(super) fn shade_each(context: &Context<'_>, plot: &mut Plot, events: &[EventSummary]) {
     let Some(first) = context.result.events.first() else { return };
     let zero_s = context.zero_s;
@@ -33,7 +33,7 @@ pub(super) fn shade_each(context: &Context<'_>, plot: &mut Plot, events: &[Event
     events.iter().for_each(|e| plot.shade("slip", e.onset_s - zero_s, e.stop_s - zero_s));
 }
 
-/// Whether single slips can be told apart.
+/// Whether slips are far enough apart to be drawn one by one.
 fn slips_apart(context: &Context<'_>, plot: &Plot) -> bool {
     let events = &context.result.events;
     let Some((first, last)) = events.first().zip(events.last()) else { return true };
@@ -41,7 +41,7 @@ fn slips_apart(context: &Context<'_>, plot: &Plot) -> bool {
     events.found() < 2 || spread_px / (events.found() - 1) as f64 >= APART_PX
 }
 
-/// Columns whose strength is the share of time spent slipping.
+/// Tints columns by the share of time spent slipping.
 fn shade_shares(context: &Context<'_>, plot: &mut Plot, rest_from: f64) {
     let (low, high) = plot.x.domain;
     let width_px = plot.x.range.1 - plot.x.range.0;
@@ -52,7 +52,7 @@ fn shade_shares(context: &Context<'_>, plot: &mut Plot, rest_from: f64) {
     let mut shares = vec![0.0; columns];
     let next = events.iter().skip(1).map(|event| event.index);
     for (event, next) in events.iter().zip(next.chain([events.found() as u32])) {
-        // One that is kept stands for those up to the next.
+        // Each event that is kept stands for those up to the next.
         let weight = f64::from(next.saturating_sub(event.index));
         add_share(&mut shares, (event, weight), low + context.zero_s, width);
     }

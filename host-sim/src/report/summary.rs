@@ -8,7 +8,7 @@ use crate::replay::result::{CoefficientSummary, ReplayResult, zero_sentence};
 use crate::replay::stretches::{NotUnderstood, SteadySummary};
 use crate::rounding::{LEAST, own_digits, part_of, plus_minus};
 
-/// Both coefficients, large, then everything else.
+/// Both coefficients in large type, then all other numbers.
 pub(super) fn summary(result: &ReplayResult) -> String {
     let estimate = &result.estimate;
     format!(
@@ -21,7 +21,7 @@ pub(super) fn summary(result: &ReplayResult) -> String {
     )
 }
 
-/// What the numbers are, and which events count.
+/// Definitions of the coefficients, and the rule for events that count.
 fn definitions() -> String {
     "<p class=\"small definitions\"><i>μ</i><sub>s</sub>: force at which the slip begins over the normal force \
      (the peak of the force where the onset is smooth). <i>μ</i>: friction averaged over the \
@@ -31,8 +31,7 @@ fn definitions() -> String {
         .into()
 }
 
-/// No result, a change of the block or of its friction, or a zero that may have moved: said
-/// plainly.
+/// Notices: no result, a change of the block or of its friction, a drift of the zero.
 fn notices(result: &ReplayResult) -> String {
     let notice = |kind: &str, safe: &str| format!("<p class=\"notice\">{kind}: {safe}.</p>");
     let refused = result.events.refused().map(|it| notice("Events", &escape(&it)));
@@ -48,7 +47,7 @@ fn notices(result: &ReplayResult) -> String {
     nothing(result).to_string() + &all.collect::<String>()
 }
 
-/// A line does not break within the name of an option.
+/// Marks the names of options so that no line breaks within them.
 fn with_whole_options(text: &str) -> String {
     let whole = |word: &str| match word.starts_with("--") {
         true => format!("<span class=\"option\">{word}</span>"),
@@ -57,7 +56,7 @@ fn with_whole_options(text: &str) -> String {
     text.split_inclusive([' ', '(']).map(whole).collect()
 }
 
-/// Said plainly when there is no result.
+/// The sentence for a test without a result.
 fn nothing(result: &ReplayResult) -> &'static str {
     match (result.events.is_empty(), result.estimate.events) {
         (true, _) => {
@@ -108,7 +107,7 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
     )
 }
 
-/// Name, value, whether it deserves attention.
+/// Name, value, and whether it deserves attention.
 type Fact = (&'static str, String, bool);
 
 fn measured(result: &ReplayResult) -> Vec<Fact> {
@@ -124,7 +123,7 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
     counts.into_iter().chain(derived).collect()
 }
 
-/// What the events tell of cable, winch and slips.
+/// Quantities of cable, winch and slips.
 fn derived(result: &ReplayResult) -> Vec<Fact> {
     let q = &result.quantities;
     let disagree = q.disagree() && !result.sags();
@@ -214,7 +213,7 @@ mod tests {
         assert!(said.contains("no ±: one event does not tell · systematic 0.0057 · "), "{said}");
     }
 
-    /// A test that is held every minute for hours.
+    /// A log with a steady stretch every minute for hours.
     #[test]
     fn the_coefficients_stand_near_the_top_whatever_the_log() {
         let held = SteadySummary {

@@ -1,4 +1,4 @@
-//! The few pieces of SVG that the figures are made of.
+//! Building blocks of SVG for the figures.
 
 use std::fmt::Write;
 
@@ -21,7 +21,7 @@ pub(super) fn escape(text: &str) -> String {
     safe
 }
 
-/// A coordinate with one decimal at most; far outside the paper is far enough.
+/// A coordinate with at most one decimal, limited to a value far outside the drawing.
 pub(super) fn coordinate(x: f64) -> String {
     const FAR: f64 = 1e5;
     let x = if x.is_nan() { 0.0 } else { x.clamp(-FAR, FAR) };
@@ -51,7 +51,7 @@ impl Path {
         self.command('L', point);
     }
 
-    /// A point: a line of no length, seen by its round caps.
+    /// A point: a line of zero length, visible by its round caps.
     pub fn dot(&mut self, point: (f64, f64)) {
         self.command('M', point);
         self.d.push_str("h0");
@@ -70,7 +70,7 @@ impl Path {
         }
     }
 
-    /// A line through points; one that is not finite breaks it.
+    /// A line through points; a point that is not finite interrupts it.
     pub fn line(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let (mut path, mut drawing) = (Self::default(), false);
         for point in points {
@@ -92,7 +92,7 @@ impl Path {
         path
     }
 
-    /// The element; nothing at all for an empty path.
+    /// The element; an empty text for an empty path.
     pub fn element(&self, class: &str) -> String {
         if self.d.is_empty() {
             return String::new();
@@ -108,7 +108,7 @@ pub(super) fn rectangle(class: &str, (x0, y0): (f64, f64), (x1, y1): (f64, f64))
     format!("<rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/>")
 }
 
-/// Text, already safe; `class` says how it is anchored.
+/// Text that is safe already; `class` sets the anchor.
 pub(super) fn text(class: &str, (x, y): (f64, f64), safe: &str) -> String {
     let (x, y) = (coordinate(x), coordinate(y));
     format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\">{safe}</text>")
@@ -121,7 +121,7 @@ pub(super) fn symbol(letter: &str, subscript: &str) -> String {
     )
 }
 
-/// The shapes of the marks: told apart without colour.
+/// Shapes of the marks, distinguishable without colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mark {
     /// `Fs`: a circle.

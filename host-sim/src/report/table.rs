@@ -1,4 +1,4 @@
-//! The events, one a row.
+//! The table of events, one per row.
 
 use super::context::Context;
 use super::number::{count, decimals_for, decimals_of_error, fixed, significant};
@@ -36,7 +36,7 @@ pub(super) fn table(context: &Context<'_>) -> String {
     )
 }
 
-/// The first, the last, and the troubled ones in between, in order.
+/// The first and last events and the troubled ones in between, in order.
 pub(super) fn chosen(events: &[EventSummary]) -> impl Iterator<Item = (usize, &EventSummary)> {
     let tail = events.len().saturating_sub(EDGE).max(EDGE);
     let mut troubled = 0;
@@ -72,7 +72,7 @@ fn remark(events: &Events) -> String {
     text
 }
 
-/// What the cells need to know.
+/// Input of the cells.
 struct Columns<'a> {
     context: &'a Context<'a>,
     force_decimals: usize,

@@ -1,5 +1,4 @@
-//! The page as a whole: well-formed, self-contained, bounded, and sensible when
-//! there is little to show.
+//! Tests of the whole page: well-formed, self-contained, bounded, and meaningful with little data.
 
 use std::collections::HashSet;
 use std::time::Instant;
@@ -9,7 +8,7 @@ use roxmltree::{Document, Node};
 use super::sample_log::SampleLog;
 use super::{Provenance, Recorder};
 
-/// Every kind of log the page has to cope with.
+/// Pages for all kinds of logs.
 fn pages() -> Vec<(&'static str, String)> {
     let mut single = SampleLog::dff8_13(6.0);
     single.keep_events(1);
@@ -30,7 +29,7 @@ fn parsed(page: &str) -> Document<'_> {
     Document::parse(body).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The page without the text of its program.
+/// The page without the script.
 fn without_program(page: &str) -> String {
     assert!(page.contains(include_str!("script.js")));
     page.replace(include_str!("script.js"), "")
@@ -73,8 +72,8 @@ fn every_page_is_well_formed_and_self_contained() {
     }
 }
 
-/// The figures of two logs as they were when somebody last looked at them:
-/// `FLOE_GOLDEN=write` stores them anew, to be looked at and committed with the reason.
+/// The figures of two logs equal the stored ones, which a person has looked at: `FLOE_GOLDEN=write`
+/// stores new ones, to be looked at and committed with the reason.
 #[test]
 fn the_figures_are_those_that_were_looked_at() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/figures");
@@ -85,7 +84,7 @@ fn the_figures_are_those_that_were_looked_at() {
         assert!(figures.len() >= 6, "{log_name}: {} figures", figures.len());
         for (name, svg) in figures {
             let path = folder.join(format!("{log_name}-{name}"));
-            // Not the style, and not what the script reads: it has every digit.
+            // Without the style, and without the script's data, which have every digit.
             let svg = svg.replace(include_str!("style.css"), "").replace("><", ">\n<");
             let (before, rest) = svg.split_once(" data-x=").unwrap();
             let svg = before.to_owned() + rest.split_once(">\n").unwrap().1;

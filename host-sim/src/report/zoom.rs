@@ -10,7 +10,7 @@ use super::shading::shade_each;
 use super::svg::{Mark, Path, symbol, text};
 use crate::replay::result::EventSummary;
 
-/// Most samples in a panel; beyond it only every second, third, ...
+/// Largest number of samples in a panel; of more, every second, third, ...
 const MOST_SAMPLES: usize = 3000;
 
 /// The figure.
@@ -90,7 +90,7 @@ fn touched<'a>(context: &Context<'a>, (from_s, to_s): (f64, f64)) -> &'a [EventS
     events.get(from..to.min(events.len())).unwrap_or_default()
 }
 
-/// One of the two panels.
+/// One of the two plots of the figure.
 struct Panel<'a> {
     context: &'a Context<'a>,
     span_s: (f64, f64),
@@ -169,7 +169,7 @@ fn moments(context: &Context<'_>, plot: &mut Plot, event: &EventSummary, close: 
     }
 }
 
-/// Every event's own fit, half-way to its neighbours.
+/// The fit of every event, half-way to its neighbours.
 fn draw_fits(context: &Context<'_>, plot: &mut Plot, events: &[EventSummary]) {
     for (i, event) in events.iter().enumerate() {
         let (before_s, after_s) = reach_s(events, i);
@@ -205,7 +205,7 @@ fn label_marks(context: &Context<'_>, plot: &mut Plot, event: &EventSummary, clo
             label.push_str(&format!("<tspan dy=\"-3\"> {value}</tspan>"));
         }
         let (x, y) = plot.at(shown);
-        // Not among the labels of the axis.
+        // Kept clear of the axis labels.
         let lowest = plot.y.range.0 - 6.0;
         plot.annotate(&text(class, (x + dx, (y + dy).min(lowest)), &label));
     }

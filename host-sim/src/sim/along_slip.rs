@@ -21,7 +21,7 @@ impl AlongSlip {
         positive("along_slip.length_m", self.length_m)
     }
 
-    /// Coefficient over its value without this term, at a distance.
+    /// Coefficient over its value without this term, after a distance slid.
     #[must_use]
     pub fn factor(&self, slid_m: f64) -> f64 {
         1.0 + self.fraction * (std::f64::consts::TAU * slid_m / self.length_m).cos()

@@ -1,22 +1,22 @@
-//! The Cramér-Rao bound of one event: the smallest standard deviations that an
-//! estimate from its samples can have, whatever the method.
+//! The Cramér-Rao bound of one event: the smallest standard deviations that an unbiased estimate
+//! from the event's samples can have, whatever the method.
 //!
-//! Model: white noise of known size on the samples from the stop before the
-//! event to the onset after it; five unknowns, onset time `t0`, loading rate
-//! `k w`, `Fs`, `Fp`, `omega`. With `A = Fs - Fp`, `B = k w / omega`,
-//! `T = (2/omega)(pi - atan2(A, B))` (25) and time `t` since the onset:
+//! Model: white noise of known size on the samples from the stop before the event to the onset
+//! after it; five unknowns, onset time `t0`, loading rate `k w`, `Fs`, `Fp`, `omega`. With
+//! `A = Fs - Fp`, `B = k w / omega`, `T = (2/omega)(pi - atan2(A, B))` (25) and time `t` since the
+//! onset:
 //!
 //! - before: `F = Fs + k w t`
 //! - slip: `F = Fp + A cos omega t + B sin omega t` (7)
 //! - after: `F = 2 Fp - Fs + k w (t - T)` (16)
 //!
-//! When the block stops on a slack cable, (7) holds until it reaches zero, at the
-//! speed `v0`; then `F = 0` until the winch has taken up what the block slid on,
-//! `v0² M / (2 Fp w)` later, and `F = k w (t - t1)` from there on. The mass is known,
-//! so this time belongs to the same five unknowns.
+//! When the block stops on a slack cable, (7) holds until the force reaches zero, at the speed
+//! `v0`; then `F = 0` until the winch has taken up the distance that the block slid on,
+//! `v0² M / (2 Fp w)` later, and `F = k w (t - t1)` from there on. The mass is known, so this time
+//! is a function of the same five unknowns.
 //!
-//! The gradients are these formulas' own; the Fisher matrix is their sum of
-//! squares over the samples. Aperture, steps and faults are not in it.
+//! The gradients are analytic; the Fisher matrix is the sum of their products over the samples.
+//! Aperture, quantization and faults are left out.
 
 use std::f64::consts::PI;
 
@@ -35,7 +35,7 @@ pub use slack::SlackEvent;
 
 /// Number of unknowns.
 pub(super) const UNKNOWNS: usize = 5;
-/// Loading rate, `Fs`, `Fp`, `omega`: places of the unknowns after `t0`.
+/// Positions of the loading rate, `Fs`, `Fp` and `omega` among the unknowns; `t0` is at 0.
 pub(super) const RATE: usize = 1;
 const STATIC: usize = 2;
 const DYNAMIC: usize = 3;
@@ -98,7 +98,7 @@ impl LinearEvent {
         2.0 * self.axes().0 / self.loading_rate_n_per_s
     }
 
-    /// Derivatives of the force at a time by the five unknowns.
+    /// Partial derivatives of the force at a time with respect to the five unknowns.
     #[must_use]
     pub fn gradient(&self, time_s: f64) -> [f64; 5] {
         let t = time_s - self.onset_s;
@@ -135,8 +135,8 @@ impl LinearEvent {
         ]
     }
 
-    /// The bound for samples at `times_s` with white noise of `noise_n`, all five
-    /// unknown; `None` where the samples cannot tell them apart.
+    /// The bound for samples at `times_s` with white noise of `noise_n`, all five parameters
+    /// unknown; `None` where the samples do not determine them.
     #[must_use]
     pub fn bound(&self, times_s: impl Iterator<Item = f64>, noise_n: f64) -> Option<ForceBound> {
         let fisher = fisher(times_s.map(|t| self.gradient(t)));
@@ -151,7 +151,7 @@ impl LinearEvent {
         noise_n: f64,
     ) -> Option<ForceBound> {
         let mut fisher = fisher(times_s.map(|t| self.gradient(t)));
-        // What is known has no connection with the rest.
+        // A known parameter has no correlation with the others.
         let known = |i: usize| i == RATE || i == OMEGA;
         for (i, row) in fisher.iter_mut().enumerate() {
             for (j, cell) in row.iter_mut().enumerate().filter(|(j, _)| known(i) || known(*j)) {
@@ -171,8 +171,8 @@ impl ForceBound {
     }
 }
 
-/// Sets the bounds of the events of a scene with white noise that is linear and
-/// stays the same; leaves the others without.
+/// Sets the bounds of the events of a scene that is linear, has white noise and does not change;
+/// events of other scenes keep none.
 pub fn set_bounds(scene: &Scene, events: &mut [TrueEvent]) {
     let noise_n = scene.measurement.white_n;
     let changes = scene.winch_profile.is_some() || scene.breaking.is_some();
@@ -193,7 +193,7 @@ pub fn set_bounds(scene: &Scene, events: &mut [TrueEvent]) {
     }
 }
 
-/// `None` also for a cable that is taut again while the block still moves.
+/// The bound of one event; `None` also for a cable that is taut again while the block still moves.
 fn event_bound(
     scene: &Scene,
     event: &TrueEvent,

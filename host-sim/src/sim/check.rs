@@ -1,8 +1,8 @@
-//! The checks of a scene's values, and what they refuse with.
+//! Checks of a scene's values, and their error.
 
 use crate::rounding::short;
 
-/// Why a scene cannot be simulated, as one line.
+/// Why a scene cannot be simulated, in one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneError(pub(super) String);
 
@@ -14,19 +14,19 @@ impl std::fmt::Display for SceneError {
 
 impl std::error::Error for SceneError {}
 
-/// Refuses with `message` unless `ok`.
+/// Returns the error `message` unless `ok`.
 pub(super) fn require(ok: bool, message: impl FnOnce() -> String) -> Result<(), SceneError> {
     if ok { Ok(()) } else { Err(SceneError(message())) }
 }
 
-/// Refuses unless `value` is finite and above zero.
+/// Returns an error unless `value` is finite and above zero.
 pub(super) fn positive(name: &str, value: f64) -> Result<(), SceneError> {
     require(value.is_finite() && value > 0.0, || {
         format!("{name} = {value}: must be a number above zero")
     })
 }
 
-/// Refuses unless `value` is above zero and `most` at most.
+/// Returns an error unless `value` is above zero and at most `most`.
 pub(super) fn above_zero(name: &str, value: f64, most: f64) -> Result<(), SceneError> {
     positive(name, value)?;
     require(value <= most, || {
@@ -34,14 +34,14 @@ pub(super) fn above_zero(name: &str, value: f64, most: f64) -> Result<(), SceneE
     })
 }
 
-/// Refuses unless `value` is finite and not negative.
+/// Returns an error unless `value` is finite and not negative.
 pub(super) fn not_negative(name: &str, value: f64) -> Result<(), SceneError> {
     require(value.is_finite() && value >= 0.0, || {
         format!("{name} = {value}: must be a number not below zero")
     })
 }
 
-/// Refuses unless `value` is finite and within the limits.
+/// Returns an error unless `value` is finite and within the limits.
 pub(super) fn between(name: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
     require((low..=high).contains(&value), || {
         format!("{name} = {}: must be {} to {}", short(value), short(low), short(high))

@@ -1,4 +1,4 @@
-//! Noise that remembers: an autoregressive process of order one.
+//! Correlated noise: an autoregressive process of order one.
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

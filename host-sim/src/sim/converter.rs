@@ -1,4 +1,4 @@
-//! From the force at the cell to what the log has: zero, noise, range, step.
+//! From the force at the cell to the reading in the log: zero, noise, range, quantization.
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
@@ -55,7 +55,7 @@ pub(super) struct Converter {
     faults: ChaCha8Rng,
 }
 
-/// How often a sample comes.
+/// How many times a sample appears in the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Delivery {
     Once,
@@ -79,7 +79,7 @@ impl Converter {
         }
     }
 
-    /// How late the next sample is taken, s; below zero: how early.
+    /// Time, s, by which the next sample is taken late; negative: early.
     pub(super) fn delay_s(&mut self) -> f64 {
         let jitter_s = self.jitter_s();
         let Some(late) = self.settings.late else { return jitter_s };
@@ -92,7 +92,7 @@ impl Converter {
         jitter.std_s * z.clamp(-4.0, 4.0)
     }
 
-    /// The reading of a force at a time, N.
+    /// The reading, N, of a force at a time.
     pub(super) fn read_n(&mut self, force_n: f64, time_s: f64) -> f64 {
         let ramp = self.settings.ramp.unwrap_or_default();
         let scaled_n = force_n * (1.0 + ramp.span_per_s * time_s);
@@ -164,7 +164,7 @@ mod tests {
         let spread = |block: usize| {
             let means: Vec<f64> =
                 values.chunks(block).map(|c| c.iter().sum::<f64>() / block as f64).collect();
-            // Allan variance: free of the slowest parts.
+            // Allan variance, in which the slowest parts cancel.
             means.windows(2).map(|w| 0.5 * (w[1] - w[0]).powi(2)).sum::<f64>()
                 / (means.len() - 1) as f64
         };

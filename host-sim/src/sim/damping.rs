@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{SceneError, between};
 
-/// A dashpot beside the spring: the force at the cell is `k s + c (w - v)`, `s` the
-/// stretch, `c = 2 fraction sqrt(k M)`. While the block rests that is `c w` more than the
-/// spring's.
+/// A dashpot parallel to the spring: the force at the cell is `k s + c (w - v)`, with `s` the
+/// stretch and `c = 2 fraction sqrt(k M)`. While the block rests the force is `c w` more than that
+/// of the spring.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CableDamping {

@@ -1,7 +1,7 @@
-//! Numbers with a fixed number of decimals, quickly: the bytes that `format!` writes, by
-//! way of a whole number where the rounding is clear.
+//! Fast formatting of numbers with a fixed number of decimals: the same bytes as `format!`, by
+//! integer arithmetic where the rounding is certain.
 
-/// Largest number of decimals that goes the quick way.
+/// Largest number of decimals for the fast path.
 const MOST: usize = 12;
 const POWERS: [f64; MOST + 1] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12];
@@ -15,10 +15,10 @@ pub(super) struct Fixed {
 }
 
 impl Fixed {
-    /// `None` where the value is too large, or so near to a half of the last decimal that the
-    /// product's own rounding could decide.
+    /// The number; `None` where the value is too large, or so close to a tie in the last decimal
+    /// that the rounding of the product could decide.
     pub(super) fn new(value: f64, decimals: usize) -> Option<Self> {
-        // Up to here the product is wrong by less than half of what is unclear.
+        // Below this value the rounding error of the product is less than half of `UNCLEAR`.
         const LARGEST: f64 = 4e12;
         const UNCLEAR: f64 = 1e-3;
         let scaled = value.abs() * POWERS.get(decimals)?;
@@ -32,7 +32,7 @@ impl Fixed {
         clear.then_some(Self { units, decimals, negative: value.is_sign_negative() })
     }
 
-    /// The same without zeros at the end of its decimals.
+    /// The number without trailing zeros in its decimals.
     pub(super) fn trimmed(mut self) -> Self {
         while self.decimals > 1 && self.units.is_multiple_of(100) {
             self.units /= 100;
@@ -46,10 +46,10 @@ impl Fixed {
     }
 }
 
-/// More than two numbers take.
+/// Bytes of the buffer: more than two numbers need.
 const ROOM: usize = 64;
 
-/// Text that is written from its end.
+/// Text that is written from its end to its beginning.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Backwards {
     bytes: [u8; ROOM],
@@ -61,7 +61,7 @@ impl Backwards {
         Self { bytes: [0; ROOM], start: ROOM }
     }
 
-    /// Writes a byte before the others.
+    /// Writes a byte in front of the text.
     pub(super) fn push(&mut self, byte: u8) {
         self.push_all([byte]);
     }
@@ -73,7 +73,7 @@ impl Backwards {
         }
     }
 
-    /// Writes a number before the others, at least one digit before its point.
+    /// Writes a number in front of the text, with at least one digit before the point.
     pub(super) fn push_fixed(&mut self, number: Fixed) {
         let Fixed { mut units, decimals, negative } = number;
         if decimals > 0 {
@@ -100,7 +100,7 @@ impl Backwards {
         *units /= 10;
     }
 
-    /// Two digits for one division of a long number.
+    /// Writes two digits, with a single division of the long number.
     fn push_last_two(&mut self, units: &mut u64) {
         let two = (*units % 100) as u8;
         *units /= 100;
@@ -160,7 +160,7 @@ mod tests {
             prop_assert_eq!(fixed(value, decimals), format!("{value:.decimals$}"));
         }
 
-        /// Ends in a 5 behind the last decimal: the exact value decides.
+        /// Ties, a 5 behind the last decimal: the exact value decides.
         #[test]
         fn near_a_half_too(units in 0..1_000_000_000_u64, decimals in 0..7_usize) {
             let value = (units as f64 + 0.5) / 10_f64.powi(decimals as i32);

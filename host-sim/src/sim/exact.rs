@@ -1,10 +1,9 @@
 //! The linear block on a cable in closed form, from event to event.
 //!
-//! Within a phase the motion is a line, an ellipse or a parabola, and the time
-//! of its end is an arctangent or a quotient: nothing is stepped, nothing is
-//! iterated, and the times are right to rounding. Angles on the ellipse are
-//! taken with `atan2` of quantities formed without cancellation, so that
-//! `Fs - Fp` may be tiny and the cable may just touch `F = 0`.
+//! Within a phase the motion is a line, an ellipse or a parabola, and the time of its end is an
+//! arctangent or a quotient: without time steps or iterations, and accurate to rounding. Angles on
+//! the ellipse are `atan2` of quantities formed without cancellation, so that `Fs - Fp` may be tiny
+//! and the cable may just touch `F = 0`.
 
 use std::f64::consts::PI;
 
@@ -16,7 +15,7 @@ use super::step::Step;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "a step is made once and copied once")]
 pub enum Motion {
-    /// A step of the integrator: not of the closed form.
+    /// A step of the numerical integrator, not in closed form.
     Step(Step),
     /// `F = F0 + k w t`, the block at rest.
     Line {
@@ -88,7 +87,7 @@ impl Motion {
         }
     }
 
-    /// The whole state `t` seconds after `from`.
+    /// The state `t` seconds after `from`.
     #[must_use]
     pub fn state(&self, from: &State, t: f64) -> State {
         if let Self::Step(step) = self {
@@ -109,7 +108,7 @@ impl Motion {
                 let (sin, cos) = (omega * t).sin_cos();
                 let slope = omega * (sine_n * (cos - 1.0) - cosine_n * sin);
                 State {
-                    // v = w - F'/k (3), as the change since the start.
+                    // v = w - F'/k (3), integrated from the start.
                     speed_m_per_s: from.speed_m_per_s - slope / k,
                     position_m: from.position_m + winch * t - (force_n - from.force_n) / k,
                     ..next
@@ -128,8 +127,8 @@ impl Motion {
     }
 }
 
-/// How long `phase` lasts from `from`, why it ends, and the state there.
-/// Infinite when nothing ends it.
+/// Duration of `phase` from `from` on, the reason for its end, and the state there. The duration is
+/// infinite if nothing ends the phase.
 #[must_use]
 pub fn finish(phase: Phase, from: &State, mechanics: &Mechanics) -> (f64, End, State) {
     let motion = Motion::start(phase, from, mechanics);
@@ -173,11 +172,10 @@ fn loading_time_s(from: &State, mechanics: &Mechanics, limit_n: f64) -> f64 {
     if missing_n > 0.0 { missing_n / mechanics.loading_rate_n_per_s() } else { 0.0 }
 }
 
-/// Time until the force catches up with a limit that grows with the logarithm
-/// of the time of rest.
+/// Time until the force catches up with a limit that grows with the logarithm of the time of rest.
 ///
-/// While the limit is still its floor `Fp` the gap closes evenly; from there on
-/// it is a line minus a logarithm, convex: it has one sign change.
+/// While the limit is still its floor `Fp` the gap closes at a constant rate; from there on the gap
+/// is a line minus a logarithm, convex, with one sign change.
 fn held_time_s(from: &State, mechanics: &Mechanics) -> f64 {
     let rate = mechanics.loading_rate_n_per_s();
     let at = |t: f64| State { time_s: from.time_s + t, ..*from };
@@ -193,7 +191,7 @@ fn held_time_s(from: &State, mechanics: &Mechanics) -> f64 {
     root::crossing(gap_n, floor_s, late_s)
 }
 
-/// Where on the ellipse, as angle from its right end, the slip starts and ends.
+/// Duration and end of a slip, from the angles on the ellipse at its start and its end.
 fn finish_slip(motion: &Motion, from: &State, mechanics: &Mechanics) -> (f64, End, State) {
     let Motion::Ellipse { centre_n, cosine_n, sine_n, omega_rad_per_s: omega, .. } = *motion else {
         return endless(from);
@@ -210,7 +208,7 @@ fn finish_slip(motion: &Motion, from: &State, mechanics: &Mechanics) -> (f64, En
             return (duration_s, End::Slack, State { force_n: 0.0, slack_m: 0.0, ..end });
         }
     }
-    // a² - (k w/omega)², exactly A² when the slip started from rest.
+    // a² - (k w/omega)²; exactly A² for a slip that starts from rest.
     let moving_n = rest_n - sine_n;
     let chord2 = cosine_n * cosine_n - moving_n * (sine_n + rest_n);
     if chord2 < 0.0 || (chord2 == 0.0 && rest_n == 0.0) {
@@ -224,8 +222,8 @@ fn finish_slip(motion: &Motion, from: &State, mechanics: &Mechanics) -> (f64, En
     (duration_s, End::Stop, at_rest(State { force_n, ..end }))
 }
 
-/// The angle of `(A, B)` on the ellipse, in the part where the block moves
-/// forward: from below zero after an onset, beyond pi when taut again.
+/// The angle of `(A, B)` on the ellipse, in the range in which the block moves forward: from below
+/// zero after an onset, beyond pi when the cable is taut again.
 fn start_angle(cosine_n: f64, sine_n: f64) -> f64 {
     let angle = sine_n.atan2(cosine_n);
     if angle > 0.5 * PI { 2.0 * PI - angle } else { -angle }
@@ -235,7 +233,7 @@ fn finish_slack_sliding(motion: &Motion, from: &State, mechanics: &Mechanics) ->
     let deceleration = mechanics.dynamic_force_n / mechanics.mass_kg;
     let v = from.speed_m_per_s;
     let stop_s = v / deceleration;
-    // Slack s + (v - w) t - d t²/2 is zero again, without cancellation.
+    // Root of the slack, s + (v - w) t - d t²/2 = 0, without cancellation.
     let excess = v - mechanics.winch_m_per_s;
     let root = (excess * excess + 2.0 * deceleration * from.slack_m).sqrt();
     let taut_s = if excess >= 0.0 {
@@ -245,7 +243,7 @@ fn finish_slack_sliding(motion: &Motion, from: &State, mechanics: &Mechanics) ->
     };
     if taut_s < stop_s {
         let end = motion.state(from, taut_s);
-        // Not faster than the winch, or rounding would make it slack again.
+        // Limited to the winch's speed, or rounding would make the cable slack again.
         let speed_m_per_s = end.speed_m_per_s.min(mechanics.winch_m_per_s);
         (taut_s, End::Taut, State { slack_m: 0.0, speed_m_per_s, ..end })
     } else {
@@ -254,7 +252,7 @@ fn finish_slack_sliding(motion: &Motion, from: &State, mechanics: &Mechanics) ->
     }
 }
 
-/// The block slides on for ever.
+/// The end of a block that never stops.
 fn endless(from: &State) -> (f64, End, State) {
     (f64::INFINITY, End::Continue, State { time_s: f64::INFINITY, ..*from })
 }

@@ -1,4 +1,4 @@
-//! The coefficients of each event.
+//! Friction coefficients, drawn for each event.
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
@@ -10,15 +10,15 @@ use super::wander::Wander;
 /// Coefficients of one event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// Static, at the reference time of rest if there is a law for it.
+    /// Static coefficient; at the reference time of rest if a law of rest is on.
     pub mu_s: f64,
-    /// Dynamic, at vanishing speed if there is a law for it.
+    /// Dynamic coefficient; at zero speed if a law of speed is on.
     pub mu: f64,
-    /// Only a part of the contact slips.
+    /// Whether only a part of the contact slips.
     pub partial: bool,
 }
 
-/// Draws the coefficients of one event after the other.
+/// Generator of the coefficients of successive events.
 #[derive(Clone, Debug)]
 pub struct Friction {
     mean: Pair,
@@ -60,9 +60,9 @@ impl Friction {
         }
     }
 
-    /// Now and then, the coefficients of a partial slip. The drop is twice the
-    /// difference of the coefficients; the dynamic one stays above a tenth of its
-    /// full value.
+    /// With the probability of partial slips, the coefficients of such a slip. The drop of the
+    /// force is twice the difference of the coefficients; the dynamic one is at least a tenth of
+    /// its full value.
     fn reduce(&mut self, full: Pair, partial: PartialSlips) -> Pair {
         if self.uniform() >= partial.probability {
             return full;

@@ -1,10 +1,10 @@
-//! The block on a cable where the closed form does not hold: Verner's adaptive
-//! method of order 9(8) with its dense output of order 8.
+//! Numerical integration of the block on a cable, where the closed form does not hold: Verner's
+//! adaptive Runge-Kutta method of order 9(8) with its dense output of order 8, from the crate
+//! `differential-equations`.
 //!
-//! The method is the `differential-equations` crate's. A step becomes the
-//! polynomial of degree 9 that its dense output is, and the moments of onset,
-//! stop, slack and taut are roots of that polynomial. (The dense output of the
-//! crate's Dormand-Prince 8(5,3) is four digits worse than its steps.)
+//! The dense output of a step is kept as a polynomial of degree 9; onset, stop, slack and taut are
+//! roots of that polynomial. (The dense output of the crate's Dormand-Prince 8(5,3) is four digits
+//! less accurate than its steps.)
 
 use differential_equations::error::Error;
 use differential_equations::interpolate::Interpolation;
@@ -16,12 +16,12 @@ use super::physics::Physics;
 use super::state::{End, Phase, State};
 use super::step::{COUNT, NODES, Step, Vector, to_state, to_vector};
 
-/// Relative tolerance of a step unless told otherwise.
+/// Default relative tolerance of a step.
 pub const TOLERANCE: f64 = 5e-14;
 
 pub(super) type Method = ExplicitRungeKutta<Ordinary, Adaptive, f64, Vector, 9, 16, 21>;
 
-/// Equations (2) and (3) with all terms. Time counts from the start of the phase.
+/// Equations (2) and (3) with all terms. The time counts from the start of the phase.
 struct Equations<'a> {
     physics: &'a Physics,
     phase: Phase,
@@ -55,29 +55,29 @@ impl ODE<f64, Vector> for Equations<'_> {
     }
 }
 
-/// What one step led to.
+/// Result of one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Advance {
     /// The step.
     pub step: Step,
-    /// State at its end.
+    /// State at the end of the step.
     pub to: State,
-    /// Why it ended.
+    /// Why the step ended.
     pub end: End,
-    /// The phase goes on with the same laws.
+    /// Whether the phase continues with the same laws.
     pub goes_on: bool,
-    /// Average force of resistance over the way, N.
+    /// Mean force of resistance over the distance, N.
     pub mean_resistance_n: f64,
-    /// Average dynamic coefficient over the way.
+    /// Mean dynamic coefficient over the distance.
     pub mean_mu: f64,
 }
 
-/// Steps through one phase.
+/// Integrator of one phase.
 pub struct Integrator {
     phase: Phase,
     from: State,
     limits: Limits,
-    /// Large, and knows no `Debug`.
+    /// Boxed because of its size; without `Debug`.
     method: Box<Method>,
 }
 
@@ -106,7 +106,7 @@ impl Limits {
             Phase::Stick | Phase::Slip => mechanics.weight_n,
             Phase::SlackSliding | Phase::SlackStuck => speed / omega,
         };
-        // A quarter of a stick or a turn of the ellipse: no more can be resolved.
+        // A quarter of a stick, or a turn of the ellipse: longer steps resolve nothing.
         let stick_s = mechanics.weight_n / mechanics.loading_rate_n_per_s().abs();
         let longest_s = (0.25 * stick_s).max(6.0 / omega).min(1e6);
         let longest_s = longest_s.min(physics.longest_step_s());
@@ -135,7 +135,7 @@ pub(super) fn verner_9(relative: f64, absolute: Vector, longest_s: f64) -> Metho
         .max_rejects(1000)
 }
 
-/// Steps until a step is accepted.
+/// Repeats a step until it is accepted.
 pub(super) fn accepted_step(
     method: &mut Method,
     equations: &impl ODE<f64, Vector>,
@@ -156,7 +156,7 @@ impl Integrator {
     /// Starts a phase.
     ///
     /// # Errors
-    /// When the method cannot start.
+    /// The method cannot start.
     pub fn new(
         phase: Phase,
         from: State,
@@ -172,7 +172,7 @@ impl Integrator {
     /// Takes one step, at most up to the time `until_s`.
     ///
     /// # Errors
-    /// When the method cannot go on.
+    /// The method cannot continue.
     pub fn advance(&mut self, physics: &Physics, until_s: f64) -> Result<Advance, String> {
         let equations = Equations { physics, phase: self.phase, from: self.from };
         let method = &mut self.method;
@@ -184,7 +184,7 @@ impl Integrator {
         accepted_step(method, &equations)?;
         let step = dense(method, self.phase, start_s)?;
         let mut advance = self.find_end(step, start_s, &equations)?;
-        // Rounding must not leave a rest of the way too short for a step.
+        // Rounding must not leave a remainder too short for a step.
         if until_s.is_finite() && (until_s - advance.to.time_s).abs() <= 1e-12 * until_s {
             advance.to.time_s = until_s;
         }
@@ -215,8 +215,8 @@ impl Integrator {
         Ok(Advance { step, to, end, goes_on, mean_resistance_n, mean_mu })
     }
 
-    /// The dense output rounds at about 1e-12; a step of its own to the event
-    /// and one of Newton's there give its time and state to rounding.
+    /// Refines an event: the dense output is accurate to about 1e-12; a separate step to the event
+    /// and one Newton step there give time and state to rounding.
     fn polish(
         &self,
         step: &Step,
@@ -245,7 +245,7 @@ impl Integrator {
         let slope = (after - before) / (2.0 * near * step.length_s);
         let shift_s = -value(length_s, y) / slope;
         let mut t = length_s;
-        // Right at the start of a step it must not lead to before it.
+        // At the very start of a step the correction must not lead to a time before it.
         if shift_s.abs() < 1e-6 * step.length_s && t + shift_s >= 0.0 {
             let mut rate = [0.0; 4];
             equations.diff(start_s + t, &y, &mut rate);
@@ -261,7 +261,7 @@ impl Integrator {
 
 fn dense(method: &mut Method, phase: Phase, start_s: f64) -> Result<Step, String> {
     let mut at_nodes = at_nodes(method, start_s)?;
-    // The ends are the method's own, without the rounding of the dense output.
+    // The ends are the exact values of the method, without the rounding of the dense output.
     at_nodes[0] = *method.y_prev();
     at_nodes[COUNT - 1] = *method.y();
     Ok(Step::new(phase, method.t() - start_s, at_nodes))
@@ -277,7 +277,7 @@ pub(super) fn at_nodes(method: &mut Method, start_s: f64) -> Result<[Vector; COU
     Ok(at_nodes)
 }
 
-/// What falls through zero at an event.
+/// A function of the state that falls through zero at an event.
 fn event_value(end: End, state: &State, physics: &Physics) -> f64 {
     match end {
         End::Onset => physics.mechanics(state).static_force_n(state) - state.force_n,
@@ -288,14 +288,14 @@ fn event_value(end: End, state: &State, physics: &Physics) -> f64 {
     }
 }
 
-/// Where in a step the cable passes the kink of its stiffness.
+/// The position in a step, as a fraction, where the cable passes the kink of its stiffness.
 fn first_kink(step: &Step, start: &State, physics: &Physics) -> Option<f64> {
     let pulled = matches!(step.phase, Phase::Stick | Phase::Slip) && physics.has_kink();
     let to_kink = |_: f64, y: &Vector| physics.to_kink_n(&to_state(step.phase, *y, *start));
     if pulled { step.first_fall(to_kink) } else { None }
 }
 
-/// The first event in a step, as a fraction of it.
+/// The first event in a step, at a fraction of its length.
 fn first_event(step: &Step, start: &State, physics: &Physics) -> Option<(f64, End)> {
     let possible: &[End] = match step.phase {
         Phase::Stick if physics.winch_m_per_s(start.time_s) < 0.0 => &[End::Onset, End::Slack],
@@ -315,7 +315,7 @@ fn first_event(step: &Step, start: &State, physics: &Physics) -> Option<(f64, En
     events.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Sets exactly what an event fixes.
+/// Sets the state variables that an event fixes to their exact values.
 fn settle(end: End, to: State, physics: &Physics) -> State {
     match end {
         End::Onset => State { speed_m_per_s: physics.onset_speed_m_per_s(to.time_s), ..to },

@@ -1,30 +1,28 @@
-//! The Cramér-Rao bound of the newest of several events: all samples so far, each
-//! counted once.
+//! The Cramér-Rao bound of the newest of several events: all samples so far, each counted once.
 //!
-//! The events of a test share `k w` and omega, and neighbours share a stick line: the
-//! one after an event is the one before the next. What the events so far tell of the
-//! next one is therefore an information matrix of three numbers, `k w`, omega and the
-//! force of the shared line at one time. An event adds its slip and the line after
-//! it; the covariance of its five unknowns gives the bound, and that of the three
-//! numbers on its other line goes on.
+//! The events of a test share `k w` and omega, and neighbours share a stick line: the line after an
+//! event is the line before the next. The information of the events so far on the next one is
+//! therefore a matrix of three parameters: `k w`, omega and the force of the shared line at one
+//! time. An event adds its slip and the line after it; the covariance of its five unknowns gives
+//! the bound, and the covariance of the three parameters of its later line is carried forward.
 
 use super::bound::{self, ForceBound, LinearEvent, Matrix, OMEGA, RATE, UNKNOWNS};
 
-/// Numbers that two neighbours share: `k w`, omega and the force of the line.
+/// Parameters that two neighbours share: `k w`, omega and the force of the line.
 const SHARED: usize = 3;
 
-/// Follows the events of a test in order.
+/// Bounds of the events of a test, in order.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Joint {
-    /// Information on what the next event shares, in units of one over the noise's
+    /// Information on the parameters shared with the next event, in units of one over the noise's
     /// variance.
     known: Matrix<SHARED>,
 }
 
 impl Joint {
-    /// The bound of the next event. `times_s` are those of its samples: the first
-    /// event's from the start of the record on, the others' from their onset on, up to
-    /// the onset after them. `None` where the samples cannot tell the unknowns apart.
+    /// The bound of the next event. `times_s`: the times of its samples, for the first event from
+    /// the start of the record on, for the others from their onset on, up to the onset after them.
+    /// `None` where the samples do not determine the unknowns.
     pub fn bound(
         &mut self,
         event: &LinearEvent,
@@ -41,8 +39,8 @@ impl Joint {
     }
 }
 
-/// Derivatives of what is shared by the event's unknowns; the line at a time, up to
-/// the onset the line before.
+/// Jacobian of the shared parameters with respect to the event's unknowns; the force of the line is
+/// taken at a time: up to the onset the line before, later the line after.
 fn shared(event: &LinearEvent, time_s: f64) -> [[f64; UNKNOWNS]; SHARED] {
     let mut rows = [[0.0; UNKNOWNS]; SHARED];
     rows[0][RATE] = 1.0;
@@ -91,7 +89,7 @@ mod tests {
         }
     }
 
-    /// `n` events in a row, sampled at 16 Hz without a common period.
+    /// Bounds of `n` successive events, sampled at 16 Hz without a common period.
     fn bounds(n: usize) -> Vec<ForceBound> {
         let period_s = event(0.0).slip_s() + event(0.0).stick_s();
         let mut joint = Joint::default();
@@ -117,8 +115,8 @@ mod tests {
         assert!((first.dynamic_n - alone.dynamic_n).abs() < 1e-9);
     }
 
-    /// One record with all its unknowns at once, by brute force: the shared two, and
-    /// `Fs` and `Fp` of every event; the onsets follow.
+    /// One record with all its unknowns in one matrix: the two shared ones, and `Fs` and `Fp` of
+    /// every event; the onsets follow from these.
     #[test]
     fn three_events_as_one_problem() {
         let first = event(1.3);
@@ -192,7 +190,7 @@ mod tests {
     fn many_events_come_near_what_a_known_cable_gives_and_below() {
         let bounds = bounds(50);
         println!("first {:?}, third {:?}, last {:?}", bounds[0], bounds[2], bounds[49]);
-        // 0.20 sigma with rate and omega known; the line before is known better as well.
+        // 0.20 sigma with rate and omega known; the line before is better known, too.
         assert!((0.15..0.21).contains(&bounds[49].static_n));
         assert!(bounds[49].static_n < bounds[0].static_n);
     }

@@ -1,4 +1,4 @@
-//! A load cell, or its amplifier, that lags behind.
+//! Lag of a load cell or of its amplifier.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ impl Lag {
     }
 }
 
-/// What the cell shows at the last moment that was asked for.
+/// Output of the cell at the latest time requested.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lagging {
     pub(super) law: Lag,
@@ -31,8 +31,8 @@ impl Lagging {
         Self { law, at_s: 0.0, value_n: None }
     }
 
-    /// Goes on to a later time: `weighted` is the integral of the force over the time in
-    /// between with a weight, `now_n` the force at its end. At the start the cell has settled.
+    /// Advances to a later time: `weighted` is the weighted integral of the force over the
+    /// interval, `now_n` the force at its end. At the start the cell has settled.
     pub(super) fn advance(
         &mut self,
         to_s: f64,

@@ -1,5 +1,4 @@
-//! What lies between the force in the cable and the log: terms, each off unless
-//! given.
+//! Measurement terms, between the force in the cable and the log; each is off unless given.
 
 use serde::{Deserialize, Serialize};
 
@@ -42,7 +41,7 @@ pub struct Measurement {
     pub range_n: f64,
     /// Step of the converter, N; off when zero.
     pub step_n: f64,
-    /// Misread codes; needs `range_n`.
+    /// Misread codes; require `range_n`.
     pub spikes: Option<Chance>,
     /// Samples that are missing.
     pub dropped: Option<Chance>,
@@ -52,7 +51,7 @@ pub struct Measurement {
     pub late: Option<Late>,
     /// Samples taken a little before or after their stamps.
     pub jitter: Option<Jitter>,
-    /// The logger's clock is slow by this, 1e-6.
+    /// Relative error by which the logger's clock is slow, 1e-6.
     pub clock_ppm: f64,
 }
 
@@ -83,9 +82,9 @@ pub struct Hum {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Ramp {
-    /// Of the zero, N/s.
+    /// Rate of change of the zero, N/s.
     pub zero_n_per_s: f64,
-    /// Of the scale, parts of the force per second.
+    /// Relative rate of change of the scale, 1/s.
     pub span_per_s: f64,
 }
 

@@ -71,10 +71,11 @@ pub fn simulate(scene: &Scene, seed: u64) -> Result<Simulation, SceneError> {
     collect(Run::new(scene, seed)?)
 }
 
-/// Computes a whole test by a given method: to compare methods.
+/// Computes a whole test by a given method, to compare methods.
 ///
 /// # Errors
-/// As [`simulate`], and a closed form asked for where there is none.
+/// A value of the scene is out of its range, the integrator gives up, or the scene has no closed
+/// form.
 pub fn simulate_by(scene: &Scene, seed: u64, method: Method) -> Result<Simulation, SceneError> {
     collect(Run::with_method(scene, seed, method)?)
 }

@@ -1,4 +1,4 @@
-//! A test as a sequence of pieces of motion.
+//! A test as a sequence of phases of motion.
 
 use super::exact::{self, Motion};
 use super::friction::Friction;
@@ -9,7 +9,7 @@ use super::scene::Scene;
 use super::state::{End, Mechanics, Phase, State};
 use super::weighing::Swing;
 
-/// How the motion is computed.
+/// Method that computes the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// From event to event in closed form.
@@ -22,7 +22,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// The closed form wherever it holds.
+    /// The closed form where it holds, else the integrator.
     #[must_use]
     pub fn for_scene(scene: &Scene) -> Self {
         if scene.is_linear() {
@@ -44,29 +44,29 @@ impl std::fmt::Display for Method {
     }
 }
 
-/// A piece of motion with its two ends.
+/// A phase of motion, or a part of one, with its two ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
-    /// What block and cable do.
+    /// State of block and cable.
     pub phase: Phase,
-    /// At its start.
+    /// State at the start.
     pub from: State,
-    /// At its end; the time is infinite for a motion without end.
+    /// State at the end; the time is infinite for a motion without end.
     pub to: State,
-    /// Why it ends.
+    /// Why the segment ends.
     pub end: End,
-    /// What holds at its start (at its end for an onset), and all through it in
-    /// closed form.
+    /// Parameters at the start (for an onset: at the end); in closed form they hold for the whole
+    /// segment.
     pub mechanics: Mechanics,
-    /// Only a part of the contact slips in this event.
+    /// Whether only a part of the contact slips in this event.
     pub partial: bool,
-    /// The motion in between.
+    /// The motion between both ends.
     pub motion: Motion,
-    /// A slip that starts here has the peak of its force some time later.
+    /// Whether the force of a slip that starts here has its peak some time later.
     pub smooth_onset: bool,
-    /// Average force of friction, slope and drag over the way, N.
+    /// Mean force of friction, slope and drag over the distance, N.
     pub mean_resistance_n: f64,
-    /// Average dynamic coefficient over the way.
+    /// Mean dynamic coefficient over the distance.
     pub mean_mu: f64,
 }
 
@@ -77,7 +77,7 @@ impl Segment {
         self.motion.force_n(&self.from, time_s - self.from.time_s)
     }
 
-    /// The whole state at a time inside the segment.
+    /// The state at a time inside the segment.
     #[must_use]
     pub fn state(&self, time_s: f64) -> State {
         self.motion.state(&self.from, time_s - self.from.time_s)
@@ -88,7 +88,7 @@ impl Segment {
     pub fn peak_force_n(&self) -> f64 {
         let ends = self.from.force_n.max(self.to.force_n);
         match self.motion {
-            // The top of the ellipse lies ahead while the force still rises.
+            // The top of the ellipse is still ahead while the force rises.
             Motion::Ellipse { centre_n, cosine_n, sine_n, .. }
                 if cosine_n >= 0.0 && sine_n > 0.0 =>
             {
@@ -100,7 +100,7 @@ impl Segment {
     }
 }
 
-/// All segments of a scene in order. Ends only when the integrator gives up, see
+/// All segments of a scene in order. The sequence ends only when the integrator gives up, see
 /// [`Segments::failure`], or after a motion without end.
 #[derive(Debug)]
 pub struct Segments {
@@ -115,7 +115,7 @@ pub struct Segments {
 }
 
 impl Segments {
-    /// Starts a test: the block at rest on a taut cable, or sliding evenly.
+    /// Starts a test: the block at rest on a taut cable, or sliding at constant speed.
     #[must_use]
     pub fn new(scene: &Scene, seed: u64, method: Method) -> Self {
         let mut friction = Friction::new(scene, random::stream(seed, Stream::Friction));
@@ -189,7 +189,7 @@ impl Segments {
         if advance.goes_on && !at_break {
             self.integrator = Some(integrator);
         }
-        // A slip starts with what holds at its onset.
+        // A slip starts with the parameters at its onset.
         let at = if advance.end == End::Onset { &advance.to } else { &from };
         Ok(Segment {
             phase,
@@ -217,7 +217,7 @@ impl Segments {
         }
     }
 
-    /// Prepares what follows a segment.
+    /// Prepares the phase after a segment.
     fn enter_next(&mut self, last: &Segment) {
         self.state = last.to;
         self.phase = after(last.phase, last.end);
@@ -237,7 +237,7 @@ impl Segments {
         }
     }
 
-    /// What is lost in the cable changes at once with the speed of the winch.
+    /// The force of the cable's damping changes in a step with the speed of the winch.
     fn pass_break(&mut self) {
         let time_s = self.state.time_s;
         let before = self.physics.winch_m_per_s(time_s);
@@ -269,7 +269,7 @@ impl Iterator for Segments {
     }
 }
 
-/// The state machine, see [`Phase`].
+/// The state machine of [`Phase`].
 fn after(phase: Phase, end: End) -> Phase {
     match (phase, end) {
         (Phase::Stick, End::Onset) | (Phase::SlackSliding, End::Taut) => Phase::Slip,

@@ -14,8 +14,8 @@ use super::stribeck::Stribeck;
 use super::terms::{Breaking, Creep, Drag, RateDependence, Sag};
 use super::winch::Winch;
 
-/// What acts on block and cable now. Parameters that change in steps (weight,
-/// winch on and off) are advanced with [`Physics::pass_break`].
+/// Forces and parameters at the current time. Parameters that change in steps (weight, winch on and
+/// off) are advanced with [`Physics::pass_break`].
 #[derive(Clone, Debug)]
 pub struct Physics {
     pair: Pair,
@@ -32,7 +32,7 @@ pub struct Physics {
     rate_and_state: Option<RateAndState>,
     along_slip: Option<AlongSlip>,
     rocking: Option<Rocking>,
-    /// Where and when the slip began.
+    /// Position, m, and time, s, at which the slip began.
     slip_from: (f64, f64),
     creep: Option<Creep>,
     shortening: bool,
@@ -84,19 +84,19 @@ impl Physics {
         self.pair = pair;
     }
 
-    /// The coefficients in force.
+    /// The current coefficients.
     #[must_use]
     pub fn pair(&self) -> Pair {
         self.pair
     }
 
-    /// Weight now, N.
+    /// Current weight, N.
     #[must_use]
     pub fn weight_n(&self) -> f64 {
         self.weight_n
     }
 
-    /// Mass now, kg.
+    /// Current mass, kg.
     #[must_use]
     pub fn mass_kg(&self) -> f64 {
         self.weight_n / GRAVITY_M_PER_S2
@@ -119,7 +119,7 @@ impl Physics {
         if self.shortening { self.length_m - position_m } else { self.length_m }
     }
 
-    /// Whether so little of the cable is left that its length no longer makes sense.
+    /// Whether too little of the cable is left for a meaningful length.
     #[must_use]
     pub fn is_at_winch(&self, position_m: f64) -> bool {
         let used_up = self.length_m(position_m) < 0.01 * self.length_m;
@@ -133,7 +133,7 @@ impl Physics {
         let taut = self.stiffness_n_per_m * self.length_m / length;
         let Some(Sag { weight_n_per_m: q, .. }) = self.sag else { return taut };
         let lying_n = self.lying_force_n(position_m);
-        // Far below that force only within a step that goes too far.
+        // Forces far below that occur only within a step that overshoots.
         let hanging_n = if self.cable_lies { lying_n } else { force_n.max(0.1 * lying_n) };
         1.0 / (1.0 / taut + (q * q * length.powi(3)) / (12.0 * hanging_n.powi(3)))
     }
@@ -144,22 +144,22 @@ impl Physics {
         self.sag.map_or(0.0, |s| s.weight_n_per_m * length * length / (8.0 * s.height_m))
     }
 
-    /// Notes whether the cable lies on the ice: the stiffness has a kink there,
-    /// and each side is followed by its own smooth law.
+    /// Sets whether the cable lies on the ice: the stiffness has a kink there, and each side has
+    /// its own smooth law.
     pub fn settle_cable(&mut self, state: &State) {
         self.cable_lies = state.force_n < self.lying_force_n(state.position_m);
     }
 
-    /// How far the cable is from that kink, N; below zero when it has just passed.
+    /// Distance of the force from that kink, N; negative when the kink has just been passed.
     #[must_use]
     pub fn to_kink_n(&self, state: &State) -> f64 {
         let lying_n = self.lying_force_n(state.position_m);
         let above_n = state.force_n - lying_n;
-        // A little past it, or rounding would pass it again and again.
+        // A small offset beyond the kink, or rounding would pass it again and again.
         1e-9 * lying_n + if self.cable_lies { -above_n } else { above_n }
     }
 
-    /// Whether there is such a kink.
+    /// Whether the stiffness has such a kink.
     #[must_use]
     pub fn has_kink(&self) -> bool {
         self.sag.is_some()
@@ -179,7 +179,7 @@ impl Physics {
         (law + falling) * self.factor_in_slip(state)
     }
 
-    /// What changes the friction within a slip.
+    /// Factor on the friction due to the terms that act within a slip.
     fn factor_in_slip(&self, state: &State) -> f64 {
         let (from_m, from_s) = self.slip_from;
         let along = self.along_slip.map_or(1.0, |a| a.factor(state.position_m - from_m));
@@ -190,12 +190,12 @@ impl Physics {
         along * rocking
     }
 
-    /// Notes that a slip begins.
+    /// Sets the start of a slip.
     pub fn start_slip(&mut self, state: &State) {
         self.slip_from = (state.position_m, state.time_s);
     }
 
-    /// Notes that the block has come to rest.
+    /// To be called when the block has come to rest.
     pub fn note_stop(&mut self) {
         self.winch.note_stop();
     }
@@ -206,13 +206,13 @@ impl Physics {
         self.stribeck.is_some() || self.rate_and_state.is_some()
     }
 
-    /// Force in the cable per speed by which it is stretched, N s/m.
+    /// Damping coefficient of the cable, N s/m.
     #[must_use]
     pub fn damping_n_s_per_m(&self) -> f64 {
         self.damping.map_or(0.0, |d| d.n_s_per_m(self.stiffness_n_per_m, self.mass_kg()))
     }
 
-    /// Rate of the age of the contacts; the block's speed is given.
+    /// Rate of the age of the contacts at a speed of the block.
     #[must_use]
     pub fn ageing(&self, speed_m_per_s: f64, contact_s: f64) -> f64 {
         self.rate_and_state.map_or(0.0, |law| law.ageing(speed_m_per_s, contact_s))
@@ -244,14 +244,14 @@ impl Physics {
         }
         let Some(creep) = self.creep else { return 0.0 };
         let below_n = state.force_n - self.mechanics(state).static_force_n(state);
-        // Above the onset only within a step that goes too far.
+        // Forces above the onset occur only within a step that overshoots.
         let growth = (below_n / creep.range_n).min(5.0).exp();
         creep.onset_fraction * self.winch_m_per_s(state.time_s) * growth
     }
 
-    /// Speed with which a slip starts, m/s: that of the creep at `Fs`. Where friction
-    /// falls from its static value a block at rest stays in balance: a thousandth of the
-    /// winch's speed sets it going.
+    /// Speed at which a slip starts, m/s: that of the creep at `Fs`. Where friction falls from its
+    /// static value, a block at rest would stay in equilibrium: a thousandth of the winch's speed
+    /// starts it.
     #[must_use]
     pub fn onset_speed_m_per_s(&self, time_s: f64) -> f64 {
         if let Some(law) = self.rate_and_state {
@@ -263,7 +263,7 @@ impl Physics {
         self.creep.map_or(0.0, |c| c.onset_fraction * self.winch_m_per_s(time_s))
     }
 
-    /// The linear block on a cable as it is at this moment; what it stays when
+    /// The parameters of the linear block on a cable at this moment; constant if
     /// [`Physics::is_linear`].
     #[must_use]
     pub fn mechanics(&self, state: &State) -> Mechanics {
@@ -299,18 +299,18 @@ impl Physics {
             && self.along_slip.is_none()
             && self.rocking.is_none()
             && !self.has_smooth_onset();
-        // An exact zero switches the tilt off.
+        // An exact zero turns the tilt off.
         !self.weighing && constant_cable && constant_friction && self.slope_rad_per_m.abs() <= 0.0
     }
 
-    /// When a parameter changes next, s; infinite if never.
+    /// Time of the next change of a parameter, s; infinite if there is none.
     #[must_use]
     pub fn next_break_s(&self) -> f64 {
         let breaking_s = self.breaking.map_or(f64::INFINITY, |b| b.at_s);
         self.winch.next_s().min(breaking_s)
     }
 
-    /// Changes what changes at [`Physics::next_break_s`].
+    /// Applies the change at [`Physics::next_break_s`].
     pub fn pass_break(&mut self) {
         let now_s = self.next_break_s();
         if let Some(breaking) = self.breaking.filter(|b| b.at_s <= now_s) {
@@ -322,7 +322,7 @@ impl Physics {
         }
     }
 
-    /// The longest step that cannot overlook anything, s.
+    /// The longest step that cannot miss an event, s.
     #[must_use]
     pub fn longest_step_s(&self) -> f64 {
         self.winch.longest_step_s()

@@ -1,7 +1,7 @@
-//! Integrals of the force over a short time.
+//! Integrals of the force over a short time, by Gauss-Legendre quadrature.
 
-/// Points on 0 to 1 and weights of the Gauss-Legendre rule of five points,
-/// exact for polynomials of degree 9.
+/// Points on 0 to 1 and weights of the Gauss-Legendre rule of five points, exact for polynomials of
+/// degree 9.
 pub(super) const GAUSS_5: [(f64, f64); 5] = [
     (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_46, 0.239_314_335_249_683_23),

@@ -1,10 +1,10 @@
-//! Random numbers: one seed, one independent stream for each purpose, so that
-//! switching a term on leaves the draws of the others as they were.
+//! Random numbers: one seed and an independent stream for each purpose, so that turning a term on
+//! does not change the numbers of the others.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// What the numbers are for.
+/// Purpose of a stream of random numbers.
 #[derive(Clone, Copy, Debug)]
 pub enum Stream {
     /// White noise.

@@ -4,15 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{SceneError, between, positive};
 
-/// The pressure on the ice, and with it the friction, swings while the block slips:
-/// times `1 + fraction sin(ratio omega t)`, `t` from the onset. The truth's `mu` is the
-/// average over the distance.
+/// The pressure on the ice, and with it the friction, oscillates while the block slips: a factor
+/// `1 + fraction sin(ratio omega t)`, `t` from the onset. The truth's `mu` is the average over the
+/// distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rocking {
     /// Amplitude, 0 to 0.5.
     pub fraction: f64,
-    /// Frequency over that of the block on its cable.
+    /// Frequency over the natural frequency of the block on its cable.
     pub ratio: f64,
 }
 

@@ -1,10 +1,10 @@
 //! Roots and extremes of smooth functions of one variable.
 
-/// Where `f` changes sign between `low` and `high`, by the ITP method of
-/// Oliveira and Takahashi (2020): never slower than bisection.
+/// Position where `f` changes sign between `low` and `high`, by the ITP method of Oliveira and
+/// Takahashi (2020): never slower than bisection.
 ///
-/// `f(low)` and `f(high)` must differ in sign or be zero. The result is a few
-/// roundings of the bracket from a sign change, on the side of `high`.
+/// `f(low)` and `f(high)` must differ in sign or be zero. The result is a few roundings of the
+/// bracket from a sign change, on the side of `high`.
 pub(super) fn crossing(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let (mut a, mut b) = (low, high);
     let (mut fa, mut fb) = (f(a), f(b));
@@ -43,7 +43,7 @@ pub(super) fn crossing(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     b
 }
 
-/// Where `f` is smallest between `low` and `high`, by golden section.
+/// Position of the minimum of `f` between `low` and `high`, by golden section.
 pub(super) fn lowest(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let (mut a, mut b) = (low, high);

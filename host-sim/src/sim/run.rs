@@ -8,18 +8,18 @@ use super::signal::Signal;
 use super::state::Phase;
 use super::truth::{EventBuilder, TrueEvent};
 
-/// One sample of a log, with the truth beside it.
+/// One sample of a log, with its true values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Number of the sampling period, from 0.
     pub index: u32,
-    /// Time as the log has it, s.
+    /// Time in the log, s.
     pub time_s: f64,
-    /// Force as the log has it, N.
+    /// Force in the log, N.
     pub force_n: f64,
-    /// Force in the cable at the time of the log, N.
+    /// Force in the cable at the time in the log, N.
     pub true_force_n: f64,
-    /// What the block did.
+    /// State of the block.
     pub phase: Phase,
 }
 
@@ -48,11 +48,10 @@ impl Run {
         Self::with_method(scene, seed, Method::for_scene(scene))
     }
 
-    /// Starts a test computed by a given method: to compare methods.
+    /// Starts a test by a given method, to compare methods.
     ///
     /// # Errors
-    /// A value of the scene out of its range, or a closed form asked for where
-    /// there is none.
+    /// A value of the scene is out of its range, or the scene has no closed form.
     pub fn with_method(scene: &Scene, seed: u64, method: Method) -> Result<Self, SceneError> {
         scene.validate()?;
         if method == Method::ClosedForm && !scene.is_linear() {
@@ -81,7 +80,7 @@ impl Run {
         self.events.get(..ended).unwrap_or_default()
     }
 
-    /// Why the samples ended early, if they did.
+    /// Why the samples ended early; `None` if they did not.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
         self.signal.failure()

@@ -1,4 +1,4 @@
-//! What is pulled, how, and how it is measured.
+//! Description of a simulated test: the block, the pull and the measurement.
 
 use serde::{Deserialize, Serialize};
 
@@ -184,13 +184,13 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Slope, rad.
+    /// Slope of the ice, rad.
     #[must_use]
     pub fn slope_rad(&self) -> f64 {
         self.slope_deg.to_radians()
     }
 
-    /// `mu_s` and `mu` with the snow on the ice.
+    /// `mu_s` and `mu`, including the effect of snow on the ice.
     #[must_use]
     pub fn coefficients(&self) -> (f64, f64) {
         let (mu_s, mu) = self.snow.map_or((0.0, 0.0), |s| (s.mu_s_offset, s.mu_offset));
@@ -203,10 +203,10 @@ impl Scene {
         (self.duration_s * self.rate_hz + 1e-9).floor() as u32
     }
 
-    /// Reads a scene in TOML and checks it.
+    /// Parses a scene from TOML and checks it.
     ///
     /// # Errors
-    /// One line that says what is wrong and where.
+    /// One line with the fault and its position.
     pub fn from_toml(text: &str) -> Result<Self, SceneError> {
         let scene: Self = toml::from_str(text).map_err(|e| SceneError(one_line(&e, text)))?;
         scene.validate()?;

@@ -7,11 +7,11 @@ use super::quadrature;
 use super::scene::Scene;
 use super::state::{End, Phase};
 
-/// Walks along the segments of a test.
+/// Cursor over the segments of a test.
 #[derive(Debug)]
 pub(super) struct Signal {
     segments: Segments,
-    /// In order, a few.
+    /// The segments in use, in order.
     window: Vec<Segment>,
     flop: Option<Flop>,
     hum: Option<Hum>,
@@ -38,8 +38,8 @@ impl Signal {
         self.segments.failure()
     }
 
-    /// Makes the segments from `start_s` to `end_s` present, forgets earlier
-    /// ones, and shows each new one to `meet`.
+    /// Loads the segments from `start_s` to `end_s`, drops earlier ones, and passes each new one to
+    /// `meet`.
     pub(super) fn cover(&mut self, start_s: f64, end_s: f64, mut meet: impl FnMut(&Segment)) {
         let start_s = self.lag.map_or(start_s, |lag| start_s.min(lag.at_s));
         let past = self.window.iter().take_while(|s| s.to.time_s < start_s).count();
@@ -62,12 +62,12 @@ impl Signal {
         self.window.iter().find(|s| s.to.time_s >= time_s).or(self.window.last())
     }
 
-    /// Force in the cable, N, and what the block does.
+    /// Force in the cable, N, and state of the block.
     pub(super) fn force_n(&self, time_s: f64) -> (f64, Phase) {
         self.at(time_s).map_or((0.0, Phase::Stick), |s| (s.force_n(time_s), s.phase))
     }
 
-    /// What the converter sees at a time: mean over the aperture from there on, N.
+    /// Input of the converter at a time, N: mean over the aperture from that time on.
     pub(super) fn seen_n(&mut self, time_s: f64) -> f64 {
         let mechanical_n = if self.aperture_s > 0.0 {
             self.integral(time_s, time_s + self.aperture_s, &|_| 1.0) / self.aperture_s
@@ -77,7 +77,7 @@ impl Signal {
         mechanical_n + self.hum_n(time_s)
     }
 
-    /// What the cell shows at a time, N; the times must come in order.
+    /// Output of a cell with lag at a time, N; the times must be in order.
     fn lagging_n(&mut self, time_s: f64) -> f64 {
         let now_n = self.at(time_s).map_or(0.0, |s| self.mechanical_n(s, time_s));
         let Some(mut lag) = self.lag else { return now_n };
@@ -91,7 +91,7 @@ impl Signal {
         segment.force_n(time_s) + self.flop_n(segment, time_s)
     }
 
-    /// The flop starts at the first stop: before it the cable has not fallen.
+    /// The flop starts at the first stop: before it the force has not fallen.
     fn flop_n(&self, segment: &Segment, time_s: f64) -> f64 {
         let Some(flop) = self.flop else { return 0.0 };
         let since_s = time_s - segment.from.rest_since_s;
@@ -124,7 +124,7 @@ impl Signal {
         sum
     }
 
-    /// A panel is a fraction of a turn of the ellipse and of the flop.
+    /// Length of an integration panel, s: a fraction of a period of the ellipse and of the flop.
     fn panel_s(&self, segment: &Segment) -> f64 {
         let slip_s = if segment.phase == Phase::Slip {
             1.0 / segment.mechanics.omega_rad_per_s()

@@ -1,8 +1,8 @@
-//! What the block and the cable are doing, and what holds meanwhile.
+//! States of block and cable, and the parameters of a phase.
 
 use serde::{Deserialize, Serialize};
 
-/// What the block and the cable are doing.
+/// State of block and cable.
 ///
 /// ```text
 ///            F = Fs                 F = 0
@@ -43,15 +43,15 @@ pub struct State {
     pub slack_m: f64,
     /// Speed of the block `v`, m/s.
     pub speed_m_per_s: f64,
-    /// Way of the block since the start `x`, m.
+    /// Distance of the block from the start `x`, m.
     pub position_m: f64,
     /// When the block last came to rest, s.
     pub rest_since_s: f64,
-    /// Age of the contacts between block and ice, s, where the friction knows one.
+    /// Age of the contacts between block and ice, s, for a law of friction that has one.
     pub contact_s: f64,
 }
 
-/// Why a piece of motion ended.
+/// Why a segment of motion ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     /// The force reached `Fs`.
@@ -62,11 +62,11 @@ pub enum End {
     Slack,
     /// The slack is taken up.
     Taut,
-    /// Nothing happened: a parameter changes here, or the piece is only a part.
+    /// None of these: a parameter changes here, or the segment is only a part of a phase.
     Continue,
 }
 
-/// Law of the static friction against the time of rest.
+/// Growth of static friction with the time of rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
     /// Time of rest at which the event's `mu_s` holds, s.
@@ -75,7 +75,7 @@ pub struct Hold {
     pub per_decade: f64,
 }
 
-/// What holds while a piece of motion lasts.
+/// Parameters that are constant during a segment in closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mechanics {
     /// Weight of the block `Mg`, N.
@@ -86,7 +86,7 @@ pub struct Mechanics {
     pub slope_rad: f64,
     /// Stiffness `k`, N/m.
     pub stiffness_n_per_m: f64,
-    /// Take-up speed `w`, m/s; below zero it pays out.
+    /// Take-up speed `w`, m/s; negative: the winch pays out.
     pub winch_m_per_s: f64,
     /// Force that starts a slip `Fs`, N, after the reference time of rest.
     pub reference_static_force_n: f64,
@@ -94,7 +94,7 @@ pub struct Mechanics {
     pub dynamic_force_n: f64,
     /// Dynamic coefficient.
     pub mu: f64,
-    /// How `Fs` depends on the time of rest, if it does.
+    /// Dependence of `Fs` on the time of rest, if there is one.
     pub hold: Option<Hold>,
 }
 
@@ -111,7 +111,7 @@ impl Mechanics {
         self.stiffness_n_per_m * self.winch_m_per_s
     }
 
-    /// Force that would start a slip at this state's time, `Fs`, N.
+    /// Force that would start a slip at the time of `state`, `Fs`, N.
     #[must_use]
     pub fn static_force_n(&self, state: &State) -> f64 {
         let Some(hold) = self.hold else { return self.reference_static_force_n };

@@ -5,12 +5,12 @@ use super::quadrature::GAUSS_5;
 use super::root;
 use super::state::{Phase, State};
 
-/// Force on a taut cable or slack on a slack one, speed, way, age of the contacts.
+/// Force on a taut cable or slack of a slack one, speed, distance, age of the contacts.
 pub(super) type Vector = [f64; 4];
-/// Number of points that fix a polynomial of degree 9.
+/// Number of points that determine a polynomial of degree 9.
 pub(super) const COUNT: usize = 10;
 
-/// Chebyshev's points from 0 to 1.
+/// Chebyshev points on 0 to 1.
 pub(super) const NODES: [f64; COUNT] = [
     0.0,
     0.030_153_689_607_045_786,
@@ -33,7 +33,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// A step by its values at [`NODES`].
+    /// A step from its values at [`NODES`].
     pub(super) fn new(phase: Phase, length_s: f64, at_nodes: [Vector; COUNT]) -> Self {
         Self { phase, length_s, at_nodes }
     }
@@ -46,7 +46,7 @@ impl Step {
         to_state(self.phase, values, state)
     }
 
-    /// Barycentric interpolation at a fraction of the step.
+    /// State vector at a fraction of the step, by barycentric interpolation.
     pub(super) fn values(&self, fraction: f64) -> Vector {
         let (mut sum, mut weights) = ([0.0; 4], 0.0);
         for (j, (node, values)) in NODES.iter().zip(&self.at_nodes).enumerate() {
@@ -81,7 +81,7 @@ impl Step {
         (at(dip.1) < 0.0).then(|| root::crossing(at, dip.0, dip.1))
     }
 
-    /// The point before and the point of a minimum between nodes.
+    /// Fractions of a local minimum between nodes and of the point before it.
     fn dip(&self, values: &[f64; COUNT], at: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
         let lowest =
             |i: &usize| values.get(i - 1) > values.get(*i) && values.get(*i) < values.get(i + 1);
@@ -98,7 +98,7 @@ impl Step {
         -below(root::lowest(below, 0.0, end)).min(below(0.0)).min(below(end))
     }
 
-    /// Averages over the way, by Gauss-Legendre: force of resistance, N, and
+    /// Averages over the distance, by Gauss-Legendre quadrature: force of resistance, N, and
     /// dynamic coefficient.
     pub(super) fn averages(&self, physics: &Physics, from: &State, end: f64) -> (f64, f64) {
         let (mut way, mut work, mut friction) = (0.0, 0.0, 0.0);

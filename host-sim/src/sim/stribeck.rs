@@ -19,7 +19,7 @@ impl Stribeck {
         positive("stribeck.falling_m_per_s", self.falling_m_per_s)
     }
 
-    /// Part of `mu_s - mu` that is left at a speed.
+    /// Share of `mu_s - mu` that remains at a speed.
     #[must_use]
     pub fn left(&self, speed_m_per_s: f64) -> f64 {
         (-(speed_m_per_s / self.falling_m_per_s).powi(2)).exp()

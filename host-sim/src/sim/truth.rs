@@ -1,18 +1,18 @@
-//! What really happened, event by event.
+//! True values of every event.
 
 use serde::Serialize;
 
 use super::motion::Segment;
 use super::state::{End, Phase};
 
-/// One stick-slip event as it was computed. Names as in a replay's result.
+/// One stick-slip event with its true values. The names are those of a replay's result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrueEvent {
-    /// From 0.
+    /// Number of the event, from 0.
     pub index: u32,
-    /// The slip begins, s.
+    /// Start of the slip, s.
     pub onset_s: f64,
-    /// The block rests again, s.
+    /// End of the slip, when the block is at rest again, s.
     pub stop_s: f64,
     /// `Fs`, N; the peak where friction falls smoothly.
     pub static_force_n: f64,
@@ -22,8 +22,8 @@ pub struct TrueEvent {
     pub peak_force_n: f64,
     /// `Fe`, N; zero when the block stopped on a slack cable.
     pub restick_force_n: f64,
-    /// Static coefficient: of the force at which the slip begins, or of the peak of the
-    /// force where friction falls smoothly.
+    /// Static coefficient, from the force at which the slip begins, or from the peak of the force
+    /// where friction falls smoothly.
     pub mu_s: f64,
     /// Dynamic coefficient: the average over the distance slid.
     pub mu: f64,
@@ -41,12 +41,13 @@ pub struct TrueEvent {
     pub slack: bool,
     /// Slack left when the block stopped, m.
     pub slack_m: f64,
-    /// Only a part of the contact slipped.
+    /// Whether only a part of the contact slipped.
     pub partial: bool,
     /// Smallest standard deviation of `mu_s` that any estimate from this event's
     /// samples can have (Cramér-Rao), see `bound`.
     pub mu_s_bound: Option<f64>,
-    /// The same for `mu`.
+    /// Smallest standard deviation of `mu` that any estimate from this event's samples can have
+    /// (Cramér-Rao), see `bound`.
     pub mu_bound: Option<f64>,
 }
 
@@ -58,7 +59,7 @@ pub struct EventBuilder {
     pending: Option<Pending>,
 }
 
-/// An event whose block still moves.
+/// An event whose block is still moving.
 #[derive(Clone, Debug)]
 struct Pending {
     event: TrueEvent,
@@ -70,8 +71,8 @@ struct Pending {
 }
 
 impl EventBuilder {
-    /// Starts with the block at rest. `clock` is the number of true seconds in
-    /// one second of the log.
+    /// A builder for a test that starts with the block at rest. `clock` is the number of true
+    /// seconds in one second of the log.
     #[must_use]
     pub fn new(clock: f64) -> Self {
         Self { clock, next_index: 0, pending: None }
@@ -147,7 +148,7 @@ impl Pending {
             self.event.static_force_n = self.event.peak_force_n;
             self.event.mu_s = (self.event.peak_force_n / self.event.weight_n - sin) / cos;
         }
-        // A slip without way (coefficients that meet) has the values of its end.
+        // A slip without distance (equal coefficients) has the values of its end.
         let average = |sum: f64, end: f64| if self.way_m > 0.0 { sum / self.way_m } else { end };
         TrueEvent {
             stop_s: last.to.time_s,

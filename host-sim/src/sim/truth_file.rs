@@ -1,4 +1,4 @@
-//! The truth of a simulated log as a JSON file.
+//! True values of a simulated log as a JSON file.
 
 use serde::Serialize;
 
@@ -12,14 +12,14 @@ use super::truth::TrueEvent;
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-truth/1";
 
-/// Everything that is known about a simulated log.
+/// The truth of a simulated log.
 #[derive(Clone, Debug, Serialize)]
 pub struct Truth {
     /// [`SCHEMA`].
     pub schema: &'static str,
-    /// Always true: no field record.
+    /// Always true: the log is not a field record.
     pub synthetic: bool,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// How the motion was computed.
     pub method: String,
@@ -29,8 +29,7 @@ pub struct Truth {
     pub scene: Scene,
     /// Every event that ended within the record.
     pub events: Vec<TrueEvent>,
-    /// What the block did at each sample: the first index of each run of samples
-    /// with the same state.
+    /// State of the block at each sample, run-length encoded: the first index of each run.
     pub states: Vec<StateRun>,
 }
 
@@ -43,7 +42,7 @@ pub struct StateRun {
     pub state: Phase,
 }
 
-/// Gathers the truth while the samples go by.
+/// Collects the truth while the samples are generated.
 #[derive(Clone, Debug, Default)]
 pub struct TruthBuilder {
     states: Vec<StateRun>,

@@ -28,7 +28,7 @@ impl Pendulum {
     }
 }
 
-/// Computes the swing step by step.
+/// Integrator of the swing.
 pub(super) struct Swing {
     pendulum: Pendulum,
     weight_n: f64,
@@ -42,7 +42,7 @@ impl std::fmt::Debug for Swing {
 }
 
 impl Swing {
-    /// Lets go at rest at the largest angle.
+    /// A swing that starts at rest at its largest angle.
     pub(super) fn new(scene: &Scene, weighing: Weighing) -> Result<Self, String> {
         let pendulum = Pendulum(weighing);
         let omega = (GRAVITY_M_PER_S2 / weighing.length_m).sqrt();

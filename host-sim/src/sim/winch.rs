@@ -1,4 +1,4 @@
-//! How the winch runs.
+//! The speed of the winch over time.
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardUniform};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{SceneError, between, not_negative, positive, require};
 
-/// A winch that does not run evenly.
+/// A winch whose speed varies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, tag = "kind", rename_all = "snake_case")]
 pub enum WinchProfile {
@@ -24,8 +24,8 @@ pub enum WinchProfile {
         /// Time of standing, s.
         stop_s: f64,
     },
-    /// Stops now and then: runs for times that are exponentially distributed, stands for
-    /// times that are evenly distributed.
+    /// Stops at random: exponentially distributed times of running, uniformly distributed times of
+    /// standing.
     Pauses {
         /// Mean time of running, s.
         every_s: f64,
@@ -36,15 +36,15 @@ pub enum WinchProfile {
     },
     /// Runs at another speed until the first slip has ended.
     FirstSlip {
-        /// Speed until then over the nominal one.
+        /// Speed until then, over the nominal speed.
         factor: f64,
     },
-    /// From each time on at another speed over the nominal one: `[time_s, factor]`; 1
-    /// before the first. Below zero the winch pays cable out.
+    /// Changes of speed, `[time_s, factor]`: from each time on the nominal speed times the factor;
+    /// 1 before the first. With a negative factor the winch pays out cable.
     Steps {
-        /// In order of time.
+        /// Changes in order of time.
         steps: Vec<[f64; 2]>,
-        /// The steps begin anew after this time, s; never if not given.
+        /// The sequence repeats after this time, s; it does not if not given.
         period_s: Option<f64>,
     },
 }
@@ -85,8 +85,8 @@ fn validate_steps(steps: &[[f64; 2]], period_s: Option<f64>) -> Result<(), Scene
     })
 }
 
-/// The winch at work. Its speed changes in steps, at [`Winch::next_s`], and swings in
-/// between if it ripples.
+/// State of the winch. Its speed changes in steps at [`Winch::next_s`], and with a ripple also
+/// continuously in between.
 #[derive(Clone, Debug)]
 pub(super) struct Winch {
     nominal_m_per_s: f64,
@@ -132,17 +132,17 @@ impl Winch {
         self.nominal_m_per_s * self.factor * (1.0 + ripple)
     }
 
-    /// Speed on which the laws of the friction are scaled, m/s.
+    /// Nominal speed, to which the laws of friction refer, m/s.
     pub(super) fn nominal_m_per_s(&self) -> f64 {
         self.nominal_m_per_s
     }
 
-    /// When the speed changes next, s; infinite if never.
+    /// Time of the next step of the speed, s; infinite if there is none.
     pub(super) fn next_s(&self) -> f64 {
         self.next_s
     }
 
-    /// The longest step that cannot overlook anything, s.
+    /// The longest integration step that cannot miss an event, s.
     pub(super) fn longest_step_s(&self) -> f64 {
         match self.profile {
             Some(WinchProfile::Ripple { period_s, .. }) => 0.125 * period_s,
@@ -150,7 +150,7 @@ impl Winch {
         }
     }
 
-    /// Changes the speed as it does at [`Winch::next_s`].
+    /// Applies the step of the speed at [`Winch::next_s`].
     pub(super) fn pass(&mut self) {
         let now_s = self.next_s;
         self.factor = match &self.profile {
@@ -162,18 +162,18 @@ impl Winch {
         self.next_s = self.following_s(now_s);
     }
 
-    /// A slip has ended.
+    /// To be called when a slip has ended.
     pub(super) fn note_stop(&mut self) {
         if let Some(WinchProfile::FirstSlip { .. }) = self.profile {
             self.factor = 1.0;
         }
     }
 
-    /// When the speed changes after the last change.
+    /// Time of the change after the one at `now_s`.
     fn following_s(&mut self, now_s: f64) -> f64 {
         let running = self.factor > 0.0;
         match &self.profile {
-            // From the number of the cycle, or the rounding would add up.
+            // Computed from the number of the cycle, so that rounding errors do not add up.
             Some(WinchProfile::StopAndGo { go_s, stop_s }) => {
                 let start_s = f64::from(self.passed / 2) * (go_s + stop_s);
                 start_s + if running { *go_s } else { go_s + stop_s }

@@ -11,21 +11,21 @@ use super::scene::{Scene, Start};
 /// Array ID of the simulated CR10 logs.
 pub const CR10_ARRAY_ID: u32 = 101;
 
-/// How a simulated CSV log begins.
+/// First line of a simulated CSV log up to its colon.
 pub const SYNTHETIC: &str = "# SYNTHETIC:";
 
-/// What a simulator says of what it made, in a log and in JSON.
+/// The remark of a simulator on its results, in a log and in JSON.
 #[must_use]
 pub fn said_of(seed: u64) -> String {
     format!("computed, not measured; seed {seed}")
 }
 
-/// Writes the head of a CSV log: metadata and the names of the columns.
+/// Writes the head of a CSV log: metadata and column names.
 ///
-/// `command` is the command that makes the log.
+/// `command`: the command that generates the log.
 ///
 /// # Errors
-/// Of the writer.
+/// Errors of the writer.
 pub fn csv_head(out: &mut impl Write, scene: &Scene, seed: u64, command: &str) -> io::Result<()> {
     writeln!(out, "{SYNTHETIC} {}", said_of(seed))?;
     writeln!(out, "# made_by: {}", printable_line(command))?;
@@ -41,23 +41,23 @@ pub fn csv_head(out: &mut impl Write, scene: &Scene, seed: u64, command: &str) -
         writeln!(out, "# snow_mm: {}", snow.depth_mm)?;
     }
     if scene.measurement.range_n > 0.0 {
-        // What is left of the range above the dead load.
+        // The range above the dead load.
         writeln!(out, "# range_n: {}", scene.measurement.range_n - scene.measurement.tare_n)?;
     }
     writeln!(out, "time_s,force_n")
 }
 
-/// Decimals of the forces in a CSV log: a millionth of the weight or finer.
+/// Decimals of the forces in a CSV log: a resolution of a millionth of the weight or finer.
 #[must_use]
 pub fn force_decimals(scene: &Scene) -> usize {
     (6.0 - scene.weight_n.log10()).ceil().clamp(0.0, 12.0) as usize
 }
 
-/// Writes one sample as a CSV line, its force with so many decimals, its time to a
+/// Writes one sample as a CSV line, the force with `force_decimals` decimals, the time to a
 /// microsecond.
 ///
 /// # Errors
-/// Of the writer.
+/// Errors of the writer.
 pub fn csv_line(out: &mut impl Write, force_decimals: usize, sample: &Sample) -> io::Result<()> {
     let Sample { time_s, force_n, .. } = *sample;
     let Some((time, force)) = Fixed::new(time_s, 6).zip(Fixed::new(force_n, force_decimals)) else {
@@ -72,11 +72,11 @@ pub fn csv_line(out: &mut impl Write, force_decimals: usize, sample: &Sample) ->
     out.write_all(line.bytes())
 }
 
-/// Writes one sample as a mixed array: ID, year, day of the year, hhmm,
-/// seconds in steps of 0.125 s, force in N with five digits.
+/// Writes one sample as a mixed array: ID, year, day of the year, hhmm, seconds in steps of 0.125
+/// s, force in N with five digits.
 ///
 /// # Errors
-/// Of the writer.
+/// Errors of the writer.
 pub fn cr10_line(out: &mut impl Write, start: Start, sample: &Sample) -> io::Result<()> {
     let eighths = (sample.time_s * 8.0 + 1e-6).floor() as u64;
     let minutes = eighths / 480 + u64::from(start.hour * 60 + start.minute);
@@ -105,7 +105,7 @@ fn calendar(start: Start, days: u64) -> (i32, u64) {
     }
 }
 
-/// The CR10's high resolution: five digits, never more than 99999.
+/// A value in the CR10's high resolution: five digits, at most 99999.
 fn five_digits(value: f64) -> String {
     let value = value.clamp(-99_999.0, 99_999.0);
     let decimals = (0..=4_usize)
@@ -115,7 +115,7 @@ fn five_digits(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// As the CR10 prints numbers: no zero before the point, none at the end.
+/// A number in the form of the CR10: no zero before the point, none at the end.
 fn cr10_number(text: &str) -> String {
     let text = trim(text);
     let (sign, digits) = match text.strip_prefix('-') {

@@ -1,4 +1,4 @@
-//! The readings that a weighing uses: the last 64 s, without those that are far from all others.
+//! The readings used for a weighing: the last 64 s without outliers.
 
 use floe_core::SampleFlag;
 use floe_firmware::weighing::{MEANS, readings_a_mean};
@@ -7,41 +7,43 @@ use serde::Serialize;
 use crate::log::timing::median;
 use crate::rounding::counted;
 
-/// Standard deviations from the median, by the readings' own scatter, and part of the median that
-/// a reading is off: neither a swing nor a step of the readings goes so far.
+/// An outlier deviates from the median by more than `DEVIATIONS` standard deviations of the
+/// readings and by more than the share `PART` of the median: neither a swing nor a step goes so
+/// far.
 const DEVIATIONS: f64 = 10.0;
 const PART: f64 = 0.05;
-/// One in so many readings can be left out. Where more are far off, the load does not rest.
+/// At most one reading in 50 is left out. If more are outliers, the load does not rest.
 pub(super) const RARE: usize = 50;
-/// Standard deviations of normal noise in its median deviation.
+/// Standard deviation of normal noise over its median absolute deviation.
 const NORMAL: f64 = 1.4826;
 
 /// A reading that was left out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LeftOut {
-    /// When, in the log's own time, s.
+    /// Time in the log, s.
     pub time_s: f64,
-    /// What it says, N.
+    /// Value of the reading, N.
     pub force_n: f64,
 }
 
-/// When, s, and what was read, N, or why there is none; [`SampleFlag::Rejected`] where one is missing.
+/// Time, s, and force, N, or why there is none; [`SampleFlag::Rejected`] where a reading is
+/// missing.
 type Reading = (f64, Result<f32, SampleFlag>);
 
 /// The readings of the last 64 s.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Settled {
-    /// In newtons, `None` where there is none or one was left out.
+    /// Forces in newtons; `None` for a missing reading and for an outlier.
     pub(super) forces_n: Vec<Option<f32>>,
-    /// Those that are far off.
+    /// The outliers.
     pub(super) left_out: Vec<LeftOut>,
-    /// Number of those at or beyond the end of the range.
+    /// Number of readings at or beyond the end of the range.
     pub(super) saturated: usize,
     /// From the first reading of the log to its last, s.
     pub(super) log_s: f64,
 }
 
-/// The last readings, in whole groups.
+/// The last readings, in whole groups of [`readings_a_mean`].
 #[derive(Clone, Debug)]
 pub(super) struct Record {
     group: usize,
@@ -64,7 +66,7 @@ impl Record {
         self.readings.push((time_s, force_n));
     }
 
-    /// The readings of the last 64 s without those that are far off, and these.
+    /// Splits the readings of the last 64 s into those used and the outliers.
     pub(super) fn settle(mut self) -> Settled {
         let count = self.readings.len();
         let begin = (count - count % self.group).saturating_sub(MEANS * self.group);
@@ -101,7 +103,7 @@ fn take_out(readings: &mut [Reading]) -> Vec<LeftOut> {
     left_out
 }
 
-/// What is said of them: how many, and the first ones.
+/// The sentence about the outliers: their number, and the first of them.
 #[must_use]
 pub fn sentence(left_out: &[LeftOut]) -> String {
     const SHOWN: usize = 3;

@@ -1,12 +1,12 @@
-//! What the step of the readings leaves open of their mean.
+//! Uncertainty of a mean due to the step of its readings.
 
 use std::f64::consts::PI;
 
-/// One standard deviation of what the step adds to the mean of the last readings, so many, failed
-/// ones among them, N; `None` where none differs from another.
+/// Standard deviation, N, that the step adds to the mean of the `last` readings, failed ones
+/// included; `None` where all are equal.
 ///
-/// Noise of more than the step averages it out, with `exp(-2 pi² noise² / step²)`. Readings
-/// that change between two values tell no noise: they scatter by half a step at most.
+/// Noise larger than the step averages the error out, by the factor `exp(-2 pi² noise² / step²)`.
+/// Readings that alternate between two values show no noise: they scatter by at most half a step.
 pub(super) fn std_n(readings: &[Option<f32>], last: usize) -> Option<f64> {
     let readings = readings.get(readings.len().saturating_sub(last)..).unwrap_or_default();
     let forces: Vec<f64> = readings.iter().flatten().map(|&force_n| force_n.into()).collect();

@@ -1,4 +1,4 @@
-//! What the caller gives against what the log says, and what it says in vain.
+//! Numbers of the caller that differ from those of the log, and lines of a log without effect.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use super::{assert_refused, directory, floe, json_with_warnings, text};
 
 const CALIBRATED: &str = "# tare_counts: 8000; # counts_per_n: 800; # weight_n: 630";
 
-/// What is asked about a log in counts under a head of these lines.
+/// The warnings about a log in counts with these lines as its head.
 fn asked(test: &str, head: &str, arguments: &[&str]) -> String {
     let path = directory(test).join("counts.csv");
     let path = path.to_str().unwrap();
@@ -20,7 +20,7 @@ fn asked(test: &str, head: &str, arguments: &[&str]) -> String {
     json_with_warnings(&floe(&[&["replay", path, "--json"], arguments].concat()))
 }
 
-/// Two claims about one test: the caller's counts, and both are said.
+/// The caller's number is used, and both are reported.
 #[test]
 fn what_is_given_against_the_log_is_said() {
     let said = |head: &str, arguments: &[&str]| asked("given", head, arguments);
@@ -73,7 +73,7 @@ fn how_well_a_speed_is_known_that_nobody_says_is_said() {
     assert!(!asked("winch", &head, &std).contains(without));
 }
 
-/// The weight of a block under the ice is not what presses it.
+/// The weight of a block under the ice is not the normal force.
 #[test]
 fn weight_and_mass_are_told_apart() {
     let said = |head: &str, arguments: &[&str]| asked("mass", head, arguments);
@@ -88,7 +88,7 @@ fn weight_and_mass_are_told_apart() {
     assert!(asked.contains("mass 64.2 kg as given, not the '# mass_kg: 70' of line 3"), "{asked}");
 }
 
-/// What the first 4096 samples do not say the computation has begun without.
+/// Metadata after the first 4096 samples come too late for the computation.
 #[test]
 fn what_comes_too_late_is_said_and_not_called_given() {
     let path = directory("late").join("log.csv");
@@ -103,7 +103,7 @@ fn what_comes_too_late_is_said_and_not_called_given() {
     assert!(!said.contains("as given"), "{said}");
 }
 
-/// A number that cannot be is named by its line, unless another is given in its place.
+/// A number out of range is reported with its line, unless another number replaces it.
 #[test]
 fn what_the_log_says_and_cannot_be_is_refused_by_its_line() {
     let path = directory("said").join("pull.csv");
@@ -129,13 +129,13 @@ fn what_the_log_says_and_cannot_be_is_refused_by_its_line() {
         let given = floe(&["replay", path, option, number]);
         assert!(!text(&given.stderr).contains("must be"), "{}", text(&given.stderr));
     }
-    // Nobody asks for what the caller's own weight replaces.
+    // A number that the caller's weight replaces is not checked.
     fs::write(path, "# weight_n: -3\ntime_s,force_n\n0,1\n0.0625,2\n").unwrap();
     let given = floe(&["replay", path, "--mass-kg", "64.2", "--quiet"]);
     assert_eq!(given.status.code(), Some(0), "{}", text(&given.stderr));
 }
 
-/// A line that was meant to say the weight is named where the weight is missing.
+/// A missing weight is reported with a line that looks like a misspelt weight.
 #[test]
 fn a_weight_that_is_not_read_is_named() {
     let path = directory("meant").join("pull.csv");

@@ -1,4 +1,4 @@
-//! What a replay asks about, and what it says of a table that cannot be written.
+//! Doubts that a replay reports, and errors in writing a table.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -46,7 +46,7 @@ fn simulated(test: &str, scene: &str) -> String {
     path
 }
 
-/// In the slip it is softer than where it is loaded: nothing is wrong with weight or winch speed.
+/// The cable is softer during a slip than during loading: weight and winch speed are right.
 #[test]
 fn a_cable_that_sags_has_two_stiffnesses() {
     let path = simulated("sag", "scenes/hard/sag_flop.toml");
@@ -56,7 +56,7 @@ fn a_cable_that_sags_has_two_stiffnesses() {
     assert!(!text(&told.stderr).contains("stiffness"), "{}", text(&told.stderr));
 }
 
-/// Both stiffnesses are those of one cable, if weight and winch speed are right.
+/// Both stiffnesses agree if weight and winch speed are right.
 #[test]
 fn a_weight_that_the_winch_contradicts_is_asked_about() {
     let path = simulated("stiffness", "scenes/dff8-13.toml");
@@ -75,7 +75,7 @@ fn a_weight_that_the_winch_contradicts_is_asked_about() {
     );
 }
 
-/// A slip every few samples may be made of single samples of many: only the winch tells.
+/// A slip every few samples may be an alias of faster slips: only the speed of the winch decides.
 #[test]
 fn fast_slips_without_the_speed_of_the_winch_are_asked_about() {
     let dir = directory("alias");
@@ -102,7 +102,7 @@ fn fast_slips_without_the_speed_of_the_winch_are_asked_about() {
     assert!(!slow.contains("alias"), "{slow}");
 }
 
-/// A limit of the sensor is asked about; once it is named, no slip beyond it counts.
+/// A likely limit of the sensor is reported; once the range is given, no slip beyond it counts.
 #[test]
 fn a_limit_that_the_log_does_not_name_is_asked_about() {
     let dir = directory("rails");
@@ -139,7 +139,7 @@ fn a_limit_that_the_log_does_not_name_is_asked_about() {
     assert_refused(&refused, &["--range-n must be a number above zero"]);
 }
 
-/// Coarse steps, forces that rest, swing or spike, a range that the log names: no limit to ask about.
+/// No scene has a likely limit: coarse steps, forces at rest, swings, spikes, a range in the log.
 #[test]
 fn no_scene_is_asked_about_a_limit() {
     let made = directory("no-rails").join("made.csv");
@@ -169,7 +169,7 @@ fn json_with_warnings(output: &Output) -> String {
     json["log"]["warnings"].to_string()
 }
 
-/// The library that writes Parquet has words of its own for it.
+/// The error message is not the one of the Parquet library.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_table_that_does_not_fit_says_so_plainly() {
@@ -189,7 +189,7 @@ fn a_table_that_does_not_fit_says_so_plainly() {
     }
 }
 
-/// Falls that are refused tell neither omega nor stiffness, and show no effect.
+/// Refused events give neither omega nor stiffness, and show no effect.
 #[test]
 fn a_record_without_an_event_that_counts_says_why_and_no_more() {
     let path = directory("refused").join("fast.csv");
@@ -208,7 +208,7 @@ fn a_record_without_an_event_that_counts_says_why_and_no_more() {
     assert!(said.contains(" not counted: ") && !said.contains("shows "), "{said}");
 }
 
-/// A log without a force is no log without a slip.
+/// A log without forces is distinguished from a log without slips.
 #[test]
 fn samples_that_cannot_be_used_are_said() {
     let dir = directory("no-force");

@@ -1,9 +1,9 @@
-//! What could be read in two ways, and what hides a part of the log.
+//! Ambiguous logs, and lines that hide a part of the log.
 
 use super::Expected::{Noted, Refused, Same};
 use super::{Form, NOON, comma, form, plain, table};
 
-/// Forces beside the force.
+/// Further columns of forces.
 pub fn forces() -> Vec<Form> {
     let beside = |other: &str, per_n: f64| {
         table(&format!("time_s,force_n,{other}\n"), move |t, f| format!("{t},{f},{}", f * per_n))
@@ -71,7 +71,7 @@ pub fn forces() -> Vec<Form> {
     ]
 }
 
-/// Lines that are no rows, or rows that are no lines.
+/// Lines that are no rows, or rows of several lines.
 pub fn lines() -> Vec<Form> {
     let long = |note: usize| {
         table("time_s,force_n,note\n", |t, f| {
@@ -201,7 +201,7 @@ pub fn said() -> Vec<Form> {
     ]
 }
 
-/// Times that go back, and other makes of text.
+/// Times that run backwards, and other text formats.
 pub fn more() -> Vec<Form> {
     let back = |hour: fn(f64) -> &'static str| {
         table("Time,Force (N)\n", move |t, f| {

@@ -1,4 +1,4 @@
-//! What the software of loggers, of testing machines and of statistics writes.
+//! Formats of the software of loggers, testing machines and statistics.
 
 use super::Expected::{Noted, Refused, Same};
 use super::{Form, clock, form, plain, table, toa5};
@@ -71,7 +71,7 @@ fn bars(header: &str) -> String {
     table(header, |t, f| format!("{t:7.4} | {:9.6}", f / 1000.0))
 }
 
-/// Names, and cells without one.
+/// Column names, and cells without a name.
 pub fn names() -> Vec<Form> {
     let named = |names: &str| plain().replace("time_s,force_n", names);
     vec![
@@ -106,7 +106,7 @@ pub fn names() -> Vec<Form> {
     ]
 }
 
-/// Which column is the force.
+/// Choice of the force column.
 pub fn forces() -> Vec<Form> {
     vec![
         form(
@@ -169,7 +169,7 @@ pub fn forces() -> Vec<Form> {
     ]
 }
 
-/// Which column is the time, and its unit.
+/// Choice of the time column, and its unit.
 pub fn times() -> Vec<Form> {
     let since = |name: &str, per_s: f64, from: f64| {
         table(&format!("{name},force_n\n"), move |t, f| format!("{:.10},{f}", from + t * per_s))
@@ -214,7 +214,7 @@ pub fn times() -> Vec<Form> {
     ]
 }
 
-/// Stamps that are not read.
+/// Time stamps that cannot be read.
 pub fn stamps() -> Vec<Form> {
     let since = |name: &str, per_s: f64, from: f64| {
         table(&format!("{name},force_n\n"), move |t, f| format!("{:.10},{f}", from + t * per_s))

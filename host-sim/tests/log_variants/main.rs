@@ -52,7 +52,7 @@ fn iso(t: f64) -> String {
     format!("2012-02-29T{}Z", clock(t))
 }
 
-/// What should become of a form.
+/// Expected result of a form.
 enum Expected {
     /// Read like the plain log.
     Same,
@@ -147,7 +147,7 @@ fn force(sample: &Sample) -> Option<f64> {
     }
 }
 
-/// How a form differs from the plain log, if it does.
+/// Difference of a form from the plain log; `None` if there is none.
 fn difference(samples: &[Sample]) -> Option<String> {
     if samples.len() != SAMPLES as usize {
         return Some(format!("{} samples", samples.len()));
@@ -183,7 +183,7 @@ fn recognised(found: &Inspection) -> String {
     )
 }
 
-/// A form's row of the table, or what is wrong with it.
+/// Row of the table for a form; an error if the result is not the expected one.
 fn check(form: &Form) -> Result<String, String> {
     let name = form.name;
     let wrong = |what: String| Err(format!("{name}: {what}"));

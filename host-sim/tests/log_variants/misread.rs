@@ -1,4 +1,4 @@
-//! What looks like another log than it is.
+//! Logs that look like another format.
 
 use super::Expected::{Noted, Refused, Same};
 use super::{Form, NOON, clock, form, iso, plain, table};
@@ -39,7 +39,7 @@ pub fn columns() -> Vec<Form> {
     ]
 }
 
-/// Times and forces that are whole numbers, or are rounded.
+/// Times and forces that are whole or rounded numbers.
 pub fn numbers() -> Vec<Form> {
     let since = |origin_s: f64| {
         table("timestamp,force_n\n", move |t, f| format!("{:.4},{f}", origin_s + t))
@@ -125,7 +125,7 @@ pub fn numbers() -> Vec<Form> {
     ]
 }
 
-/// Factors, times of day without colons, what follows the last row.
+/// Scale factors, times of day without colons, text after the last row.
 pub fn ends() -> Vec<Form> {
     let times = |name: &str, minute: u32, from_s: f64| {
         table(&format!("{name},force_n\n"), move |t, f| {
@@ -181,7 +181,7 @@ pub fn ends() -> Vec<Form> {
     ]
 }
 
-/// Metadata that is not in a line `# key: value` of its own.
+/// Metadata in other places than a line `# key: value`.
 pub fn metadata() -> Vec<Form> {
     let said = |line: &str| format!("{line}\n{}", plain());
     vec![

@@ -1,4 +1,4 @@
-//! What people, spreadsheets and data loggers of other makes write.
+//! Formats of people, of spreadsheets and of other makes of data loggers.
 
 use super::Expected::{Noted, Refused, Same};
 use super::{Form, SAMPLES, clock, force_n, form, iso, plain, seconds, table};
@@ -7,7 +7,7 @@ fn stamped(stamp: fn(f64) -> String) -> String {
     table("Time,Force (N)\n", |t, f| format!("{},{f}", stamp(t)))
 }
 
-/// Five seconds before midnight and after.
+/// A time of day: `t` seconds after five seconds before midnight.
 fn late(t: f64) -> String {
     let t = t - 5.0;
     if t < 0.0 { format!("23:59:{:07.4}", 60.0 + t) } else { format!("00:00:{t:07.4}") }
@@ -176,7 +176,7 @@ pub fn names() -> Vec<Form> {
     ]
 }
 
-/// Rows that are not where they should be, and files that are no tables.
+/// Misplaced rows, and files that are no tables.
 pub fn wholes() -> Vec<Form> {
     let twice = plain().replace("\n5,", "\n5,1\n5,");
     let json: Vec<String> = (0..SAMPLES)

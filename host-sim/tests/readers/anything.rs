@@ -1,4 +1,4 @@
-//! Whatever the bytes: read, or refused in one line.
+//! Arbitrary bytes: read, or refused in one line.
 
 use std::io::Read;
 
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::{open, samples};
 
-/// Gives its bytes one to seven at a time.
+/// A reader that returns its bytes one to seven at a time.
 struct Dribble(std::io::Cursor<Vec<u8>>, usize);
 
 impl Read for Dribble {

@@ -5,7 +5,7 @@ use floe_core::{Fault, Reading};
 
 use super::{consecutive, indices, open, read, samples};
 
-/// A CR10 at 16 Hz from `start_s` into day `day` of `year`: two scans a stamp.
+/// A log of a CR10 at 16 Hz, from `start_s` into day `day` of `year`: two scans per stamp.
 fn cr10(year: u32, day: u32, start_s: u32, days_in_year: u32, scans: u32) -> Vec<String> {
     let row = |scan: u32| {
         let eighths = start_s * 8 + scan / 2;
@@ -65,7 +65,7 @@ fn cr10_gaps_in_the_stamps_are_gaps_in_the_index() {
 #[test]
 fn cr10_stamps_one_step_off_are_counted_and_no_gap() {
     let mut rows = cr10(1994, 100, 43_200, 365, 9000);
-    // A second scan with the stamp after it, a first scan with the one before it.
+    // A second scan with the next stamp, and a first scan with the previous one.
     for (at, from) in [(2001, 2002), (5000, 4999), (8001, 8002)] {
         let (stamp, _) = rows[from].rsplit_once(',').unwrap();
         let (_, force) = rows[at].rsplit_once(',').unwrap();
@@ -146,7 +146,7 @@ fn toa5_gaps_by_stamps_or_by_record_numbers() {
     let stamps_only =
         toa5((0..900).filter(|i| !(100..150).contains(i)).enumerate().map(|(n, i)| (i, n as u32)));
     assert_eq!(read(&stamps_only).1.last().unwrap().raw.index, 899);
-    // A jump of the numbers beside stamps that run on loses no row behind it.
+    // A jump of the record numbers loses no row if the stamps continue.
     let jumped = toa5((0..900).map(|i| (i, if i < 400 { i } else { i + 200 })));
     let (log, samples) = read(&jumped);
     assert!(

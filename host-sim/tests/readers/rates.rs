@@ -1,4 +1,4 @@
-//! Rates: of the stamps, said or given.
+//! Sampling rates: from the stamps, from the log or from the caller.
 
 use floe::log::{Log, LogOptions};
 
@@ -58,7 +58,7 @@ fn stamps_of_a_clock_that_is_off_do_not_drift_over_hours() {
     assert!((last.time_s - 399_999.0 / 16.0003).abs() < 0.001);
 }
 
-/// A rate that a logger is set to is hardly ever the one it keeps.
+/// The rate set in a logger is rarely its true rate.
 #[test]
 fn a_rate_that_is_only_called_so_gives_way_to_the_one_of_the_stamps() {
     let log_of = |head: &str, rate_hz: f64, late_s: f64| {
@@ -78,12 +78,12 @@ fn a_rate_that_is_only_called_so_gives_way_to_the_one_of_the_stamps() {
     }
     let (log, samples) = read(&log_of("# rate_hz: 16\n", 16.0, 0.0));
     assert!(log.rate_hz() == 16.0 && consecutive(&samples) && log.warnings().is_empty());
-    // A clock that was set on the way tells no other rate.
+    // A clock that was set during the record does not change the rate.
     let (log, _) = read(&log_of("# rate_hz: 16\n", 16.0, 0.53));
     assert_eq!(log.rate_hz(), 16.0);
 }
 
-/// Samples that come a little faster or slower than the last digit of their stamps, which goes to the
+/// Samples slightly faster or slower than the last digit of their stamps, which is rounded to
 /// nearest or down.
 #[test]
 fn a_rate_near_that_of_the_last_digit_is_that_of_all_stamps() {

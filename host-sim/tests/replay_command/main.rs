@@ -1,4 +1,4 @@
-//! `floe replay` from outside: exit codes, one-line messages, outputs.
+//! `floe replay` as a command: exit codes, one-line messages, outputs.
 
 use std::fs;
 use std::io::Write;
@@ -30,7 +30,7 @@ fn floe_fed(arguments: &[&str], input: &[u8]) -> Output {
     child.wait_with_output().unwrap()
 }
 
-/// The result on standard output; nothing on standard error.
+/// The result on standard output; standard error must be empty.
 fn json(output: &Output) -> serde_json::Value {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
@@ -130,14 +130,14 @@ fn without_arguments_the_bundled_log_is_replayed_and_reported() {
     let output = run();
     let said = text(&output.stdout);
     assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), String::new()));
-    // Means of what was drawn for its 101 events, `floe simulate --truth`.
+    // Means of the coefficients drawn for its 101 events, from `floe simulate --truth`.
     for (name, truth) in [("mu_s   ", 1.2390), ("mu     ", 0.7807)] {
         let line = said.lines().find(|line| line.starts_with(name)).unwrap();
         let mean: f64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
         assert!((mean - truth).abs() < 0.0006, "{line}");
     }
     assert!(!said.contains("written") && fs::read_dir(&dir).unwrap().next().is_none(), "{said}");
-    // In the repository the report goes where the build puts its files.
+    // In the repository, the report is written to the folder of the build.
     fs::create_dir_all(dir.join("host-sim/logs")).unwrap();
     fs::write(dir.join("host-sim/logs/fig6-7.csv"), "").unwrap();
     fs::create_dir(dir.join("target")).unwrap();
@@ -182,14 +182,14 @@ fn samples_and_figures_are_written() {
         assert!((number(row[0]) - number(time)).abs() < 1e-9);
         assert!((number(row[1]) - number(force)).abs() < 1e-4);
     }
-    // The central difference of the forces beside it, and the block's speed from it.
+    // Rate: the central difference of the neighbouring forces; the block's speed follows from it.
     let number = |row: usize, cell: usize| rows[row][cell].parse::<f64>().unwrap();
     let told = |i: &usize| rows[*i][3] == "slip" && !rows[*i][4].is_empty();
     let slipping = (200..rows.len() - 9).find(told).unwrap();
     let rate = (number(slipping + 1, 1) - number(slipping - 1, 1)) * 8.0;
     assert!((number(slipping, 2) - rate).abs() < 0.01 * rate.abs().max(10.0));
     assert!(number(slipping, 4) > -0.02 && number(slipping, 4) < 2.0);
-    // A block at rest stands, and every rate but the first and the last is there.
+    // The speed of a block at rest is zero; every row but the first and the last has a rate.
     let resting = rows.iter().skip(200).filter(|row| row[3] == "stick" && !row[2].is_empty());
     assert!(resting.clone().count() > 1000 && resting.clone().all(|row| row[4] == "0.0"));
     let without_rate = (1..rows.len()).filter(|&i| rows[i][2].is_empty());
@@ -216,7 +216,7 @@ fn the_bundled_log_reads_the_same_in_both_formats() {
     let (csv, cr10) = (csv["events"].as_array().unwrap(), cr10["events"].as_array().unwrap());
     assert!(csv.len() > 60 && csv.len() == cr10.len());
     for (a, b) in csv.iter().zip(cr10) {
-        // The logger keeps four or five digits of the force.
+        // The logger records four or five digits of the force.
         for (field, most) in [("onset_s", 1e-3), ("mu_s", 1e-3), ("mu", 1e-3)] {
             let difference = a[field].as_f64().unwrap() - b[field].as_f64().unwrap();
             assert!(difference.abs() < most, "{field} {difference}");

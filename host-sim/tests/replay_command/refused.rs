@@ -1,4 +1,4 @@
-//! What is refused, in one line.
+//! Input that is refused with one line.
 
 use std::fs;
 

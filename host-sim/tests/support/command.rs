@@ -1,11 +1,11 @@
-//! A command from outside: its folder and what it says.
+//! Running a command: its folder and its output.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-/// A directory of one test's own, empty: the programs of tests run side by side, so that one
-/// name in two of them stands for two directories, and no directory lies in another.
+/// An empty directory for one test. Test programs run in parallel, so the directory is named after
+/// the program and the test, and no directory lies in another.
 pub fn directory(test: &str) -> PathBuf {
     assert_eq!(Path::new(test).components().count(), 1, "{test} lies in another test's");
     let own = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME"));
@@ -19,8 +19,8 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Exit 2, nothing on standard output, one line on standard error that holds
-/// all of `parts`.
+/// Asserts exit code 2, no standard output, and one line on standard error that contains all of
+/// `parts`.
 pub fn assert_refused(output: &Output, parts: &[&str]) {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");

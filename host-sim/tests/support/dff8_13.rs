@@ -1,4 +1,4 @@
-//! An event of DFF8-13 as a board tells it.
+//! An event of DFF8-13 as in the output of a board.
 
 use floe_core::{Coefficient, Event, Quality, SampleTime};
 

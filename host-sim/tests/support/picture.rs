@@ -1,11 +1,11 @@
-//! A terminal's screen as SVG: one text an equal stretch of a row.
+//! A terminal's screen as SVG: one text element per run of equal style in a row.
 
 use std::fmt::Write;
 
 use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::{Color, Modifier};
 
-/// Size of a letter, px.
+/// Size of a character, px.
 const WIDTH: usize = 9;
 const HEIGHT: usize = 19;
 
@@ -42,7 +42,7 @@ fn stretch(svg: &mut String, run: &[Cell], x: usize, y: usize) {
     }
     let bold = if first.modifier.contains(Modifier::BOLD) { " font-weight=\"bold\"" } else { "" };
     let (fill, base) = (colour(first.fg), y + 15);
-    // A blank that a browser leaves where it is.
+    // A space that a browser does not collapse.
     let text = text.replace('&', "&amp;").replace('<', "&lt;").replace(' ', "\u{a0}");
     let _ = writeln!(
         svg,

@@ -1,8 +1,8 @@
-//! Sectors of a card that were changed on purpose.
+//! Sectors of a card with deliberate changes.
 
 use floe_firmware::record::Sector;
 
-/// Gives a sector the checksum of what it holds.
+/// Sets the checksum of a sector to match its content.
 pub fn seal(sector: &mut Sector) {
     let mut sum = u32::MAX;
     for &byte in &sector[..508] {

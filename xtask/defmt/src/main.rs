@@ -1,4 +1,4 @@
-//! `floe-defmt FIRMWARE LOGGED`: every frame that the firmware logged, one a line.
+//! `floe-defmt FIRMWARE LOGGED` prints every frame that the firmware logged, one per line.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;

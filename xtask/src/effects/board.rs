@@ -1,4 +1,4 @@
-//! What an effect costs: the core alone on the emulated board with it and without.
+//! Costs of each effect: the core on the emulated board with and without it.
 
 use std::fs;
 
@@ -10,10 +10,10 @@ use crate::shell::root;
 use crate::size::Image;
 use crate::{Result, qemu};
 
-/// The scene that every effect is counted in.
+/// The scene in which every effect is counted.
 const REFERENCE: &str = "dff8-13";
 
-/// A scene that has what an effect is there for.
+/// A scene with the phenomenon that an effect models.
 fn own(effect: Effect) -> &'static str {
     match effect {
         Effect::Corner => "hard/creep",
@@ -28,7 +28,7 @@ fn own(effect: Effect) -> &'static str {
     }
 }
 
-/// Files of an effect's own.
+/// Source files that belong to one effect only.
 fn files(effect: Effect) -> &'static [&'static str] {
     match effect {
         Effect::Corner => &["effects/corner/mod.rs", "effects/corner/score.rs", "model/corner.rs"],
@@ -50,12 +50,12 @@ fn files(effect: Effect) -> &'static [&'static str] {
     }
 }
 
-/// The core with some effects on the board, and instructions in the scenes asked for.
+/// Size and instruction counts of the core on the board, with a set of effects.
 pub(super) struct Board {
-    /// Bytes of the whole image, with what runs the core, and of the core's own symbols.
+    /// Flash of the image that runs the core, and of the core's symbols, bytes.
     pub(super) flash: u64,
     pub(super) core: u64,
-    /// In [`REFERENCE`], then in the scenes of each effect's own, where they were counted.
+    /// Counts in [`REFERENCE`], then in the own scenes of effects, if counted.
     pub(super) counted: Vec<Counted>,
 }
 
@@ -72,30 +72,30 @@ impl Board {
     }
 }
 
-/// What an effect adds.
+/// Costs of one effect.
 pub(super) struct Cost {
     pub(super) effect: Effect,
     pub(super) lines: usize,
-    /// Mean instructions a step: in the reference, and in the effect's own scene.
+    /// Added mean instructions per step, in the reference and in the effect's own scene.
     pub(super) mean: i64,
     pub(super) own_mean: i64,
-    /// Name of that scene.
+    /// Name of the effect's own scene.
     pub(super) own: &'static str,
     pub(super) flash: i64,
     pub(super) state: i64,
 }
 
-/// Everything that is built and counted.
+/// Results of all builds.
 pub(super) struct Costs {
     pub(super) all: Board,
     pub(super) none: Board,
     pub(super) each: Vec<Cost>,
 }
 
-/// Builds the core with all effects, with none and without each, and counts.
+/// Builds the core with all effects, with none and without each one, and counts instructions.
 ///
 /// # Errors
-/// It does not build or run.
+/// A build or a run fails.
 pub(super) fn costs(route: Route) -> Result<Costs> {
     let scene =
         |name: &str| budgets::scene_record(&root().join(format!("host-sim/scenes/{name}.toml")));
@@ -127,7 +127,7 @@ pub(super) fn costs(route: Route) -> Result<Costs> {
     Ok(Costs { all, none, each })
 }
 
-/// Product lines: neither empty, nor comment, nor test.
+/// Number of source lines that are not empty, comment or test.
 fn lines(files: &[&str]) -> Result<usize> {
     let mut count = 0;
     for file in files {

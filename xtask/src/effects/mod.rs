@@ -1,5 +1,5 @@
-//! `cargo xtask effects`: what each effect costs on the board and brings in the scenes, into
-//! `docs/effects.md`.
+//! `cargo xtask effects`: cost of each effect on the board and its benefit in the scenes, written
+//! to `docs/effects.md`.
 
 mod board;
 mod page;
@@ -19,7 +19,7 @@ use crate::shell::{root, say};
 pub fn run(forced: Option<Route>) -> Result<()> {
     let route = Route::find(forced)?;
     let begin = Instant::now();
-    // The compiler is busy on one processor; simulating keeps the others.
+    // The compiler uses one processor; the simulation uses the others.
     let (costs, trials) = std::thread::scope(|scope| {
         let costs = scope.spawn(|| board::costs(route));
         let trials = trial::run();

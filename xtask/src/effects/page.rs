@@ -1,4 +1,4 @@
-//! The page `docs/effects.md`: costs, then what each effect brings, then what it spoils.
+//! The page `docs/effects.md`: costs, then benefits and harm of each effect.
 
 use std::fmt::Write;
 
@@ -7,13 +7,13 @@ use floe_core::Effect;
 use super::board::{Board, Costs};
 use super::trial::{Errors, Outcome, Trial};
 
-/// A coefficient is worse if its error is larger by this factor, or the coverage smaller by so
-/// much: of events, and of the fewer means.
+/// Limits from which a coefficient counts as worse: ratio of the errors, and loss of coverage; for
+/// events, and for means, of which there are fewer.
 const OF_EVENTS: Worse = Worse { factor: 1.05, uncovered: 0.02 };
 const OF_MEANS: Worse = Worse { factor: 1.15, uncovered: 0.1 };
-/// Intervals that hold as much as this lose nothing by holding less.
+/// Coverage at or above which a loss of coverage does not count.
 const HONEST: f64 = 0.95;
-/// Rows of an effect that are shown.
+/// Largest number of rows shown for an effect.
 const SHOWN: usize = 6;
 
 struct Worse {
@@ -21,11 +21,11 @@ struct Worse {
     uncovered: f64,
 }
 
-/// A coefficient of a scene that is worse one way than the other.
+/// A coefficient in a scene that one of the two variants makes worse.
 struct Row {
     scene: String,
     what: String,
-    /// Root-mean-square error, percent, and coverage: with the effect, and without.
+    /// Root-mean-square error, percent, and coverage: with and without the effect.
     rms: [f64; 2],
     coverage: [f64; 2],
     size: f64,
@@ -113,7 +113,7 @@ fn totals(all: &Board, none: &Board) -> String {
     format!("All of them: {}.\n\nNone, the paper's linear model alone: {}.\n", of(all), of(none))
 }
 
-/// Which effects pay nowhere.
+/// Sentence that names the effects without a benefit.
 fn verdict(trials: &[Trial]) -> String {
     let pays =
         |effect: &Effect| !rows(trials, *effect, false).is_empty() || says_more(trials, *effect);
@@ -129,7 +129,7 @@ fn verdict(trials: &[Trial]) -> String {
     format!("No row needs {}.\n", idle.join(", "))
 }
 
-/// Without it fewer changes are said where there are some.
+/// Whether, without the effect, fewer of the actual changes are reported.
 fn says_more(trials: &[Trial], effect: Effect) -> bool {
     let there = |trial: &&Trial| trial.changes;
     trials
@@ -163,7 +163,7 @@ fn table(out: &mut String, trials: &[Trial], swapped: bool) {
     }
 }
 
-/// What is worse without an effect, or with it, the worst first.
+/// Coefficients that are worse without an effect (swapped: with it), the worst first.
 fn rows(trials: &[Trial], effect: Effect, swapped: bool) -> Vec<Row> {
     let mut rows = Vec::new();
     for trial in trials {
@@ -192,20 +192,20 @@ fn rows(trials: &[Trial], effect: Effect, swapped: bool) -> Vec<Row> {
 }
 
 impl Worse {
-    /// How much worse the second is, if it is.
+    /// How much worse `bad` is, or `None` if it is not worse.
     fn size(&self, good: &Errors, bad: &Errors) -> Option<f64> {
         if good.count() == 0 || bad.count() == 0 {
             return None;
         }
         let (factor, lost) = (bad.rms() / good.rms(), good.coverage() - bad.coverage());
-        // One interval of a few says nothing.
+        // A single interval among a few is not significant.
         let is_uncovered = lost > self.uncovered && lost * bad.count() as f64 > 1.5;
         let is_worse = factor > self.factor || (is_uncovered && bad.coverage() < HONEST);
         is_worse.then(|| factor + 10.0 * lost.max(0.0))
     }
 }
 
-/// In how many records a change was said, where there is one and where there is none.
+/// Table of the records in which a change is reported, with and without an actual change.
 fn changes(trials: &[Trial]) -> String {
     let said = |of: &dyn Fn(&Trial) -> bool| {
         let own = || trials.iter().filter(|trial| of(trial));

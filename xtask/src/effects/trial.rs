@@ -1,4 +1,4 @@
-//! The scenes that effects are tried in: simulated once, read with and without each effect.
+//! Scenes for trials of effects: simulated once, evaluated with and without each effect.
 
 use std::fs;
 use std::path::Path;
@@ -14,19 +14,19 @@ use crate::Result;
 use crate::budgets;
 use crate::shell::{root, say};
 
-/// Events of a scene, and most records to have them from.
+/// Number of events per scene, and largest number of records for them.
 const EVENTS: usize = 1500;
 const RECORDS: u64 = 24;
-/// The scene that takes longest to simulate, 10 s a record: it begins first, and has fewer.
+/// The slowest scene, 10 s per record, and its number of records: it starts first.
 const SLOW: (&str, u64) = ("rate_and_state", 5);
-/// Scenes that are also tried for an hour, and their records.
+/// Scenes that are also run for an hour, and their number of records.
 const LONG: [&str; 4] = ["dff8-13", "hard/drift", "honesty/wandering", "honesty/many_pauses"];
 const LONG_RECORDS: u64 = 8;
 const LONG_S: f64 = 3600.0;
-/// Both coefficients after a change of friction over those before.
+/// Ratio of both coefficients after a change of friction to those before.
 const CHANGE: f64 = 0.85;
 
-/// Values of one coefficient beside the truth.
+/// Errors of one coefficient's estimates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Errors {
     percent: Vec<f64>,
@@ -48,20 +48,20 @@ impl Errors {
         floe_tests::score::rms(&self.percent)
     }
 
-    /// Share of the 95 % intervals that hold the truth.
+    /// Fraction of the 95 % intervals that contain the truth.
     pub(super) fn coverage(&self) -> f64 {
         self.covered as f64 / self.count().max(1) as f64
     }
 }
 
-/// What some effects make of a scene; pairs are of `mu_s` and `mu`.
+/// Results of a scene with some effects; pairs are of `mu_s` and `mu`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outcome {
-    /// Events, the first ones too.
+    /// Errors of single events, including the first ones.
     pub(super) events: [Errors; 2],
-    /// Means of whole records.
+    /// Errors of the means of whole records.
     pub(super) means: [Errors; 2],
-    /// Records, and those in which a change was said.
+    /// Number of records, and of those with a reported change.
     pub(super) records: usize,
     pub(super) changes: usize,
 }
@@ -91,30 +91,31 @@ impl Outcome {
     }
 }
 
-/// A scene with all effects, and without each of them.
+/// Results of a scene with all effects, and without each of them.
 #[derive(Debug)]
 pub(super) struct Trial {
     pub(super) name: String,
-    /// Whether friction changes in the middle.
+    /// Whether friction changes in the middle of each record.
     pub(super) changes: bool,
     pub(super) with: Outcome,
     pub(super) without: Vec<Outcome>,
 }
 
-/// How a scene is tried.
+/// Settings for the trial of a scene.
 struct Plan {
     name: String,
     scene: Scene,
-    /// Records until there are so many events, and most records.
+    /// Number of events at which to stop, and largest number of records.
     events: usize,
     records: u64,
     changes: bool,
 }
 
-/// Every scene with events, an hour of some, and changes of friction, on all processors.
+/// Runs every scene with events, some for an hour, and one with changes of friction, on all
+/// processors.
 ///
 /// # Errors
-/// A scene that cannot be read.
+/// A scene cannot be read.
 pub(super) fn run() -> Result<Vec<Trial>> {
     let plans = plans()?;
     Ok(parallel::each(&plans, |plan| {
@@ -185,8 +186,8 @@ impl Plan {
         Record::of(&self.scene, seed, |time_s| -ramp * time_s)
     }
 
-    /// As `docs/honesty.md` has it: losses are asked for where there are some, and a zero that
-    /// ran away was taken after the test too.
+    /// Configuration as in `docs/honesty.md`: the damping is uncertain in scenes with losses, and a
+    /// zero that drifts was also measured after the test.
     fn config(&self) -> Config {
         let mut config = both::config(&self.scene);
         if self.scene.cable_damping.is_some() || self.scene.drag.is_some() {
@@ -206,7 +207,7 @@ fn all_but(left_out: Effect) -> Effects {
     others.fold(Effects::NONE, |set, effect| set.with(effect, true))
 }
 
-/// What the mean of a record estimates.
+/// True values that the mean of a record estimates: means over all events.
 fn population(records: &[Record]) -> [f64; 2] {
     let events: Vec<&TrueEvent> = records.iter().flat_map(|record| &record.truths).collect();
     let mean = |of: fn(&TrueEvent) -> f64| {
@@ -215,8 +216,9 @@ fn population(records: &[Record]) -> [f64; 2] {
     [mean(|event| event.mu_s), mean(|event| event.mu)]
 }
 
-/// A record in the middle of which, while the block rests, both coefficients change: what
-/// rests is known by the force alone, so a second record goes on where the first was cut.
+/// A record in whose middle both coefficients change while the block rests. The force alone
+/// determines the state of a resting block, so a second simulation continues where the first is
+/// cut.
 fn changing(scene: &Scene, seed: u64) -> Record {
     let scene = at_phase(scene, seed);
     let rate_hz = scene.rate_hz;
@@ -265,7 +267,7 @@ mod tests {
         let (before, after) = (of(scene.mu_s), of(CHANGE * scene.mu_s));
         assert!(before > 20 && after > 20 && before + after == record.truths.len());
         assert!(record.truths.is_sorted_by(|a, b| a.stop_s < b.onset_s));
-        // Every onset but the last is found: nothing at the cut is taken for a slip.
+        // Every onset but the last is found, and the cut is not taken for a slip.
         let tried = record.read(&both::config(&scene));
         assert_eq!((tried.detection.misses, tried.detection.false_alarms), (0, 0));
     }

@@ -1,4 +1,4 @@
-//! The SD card under the whole firmware, and the battery pulled.
+//! Tests of the whole firmware with an SD card, including power cuts.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -15,26 +15,26 @@ use crate::arm::Route;
 use crate::shell::{output, target};
 use crate::{Result, apt};
 
-/// FAT32 needs 65 525 clusters of 512 bytes at least.
+/// Size of a card's image, bytes: FAT32 needs at least 65 525 clusters of 512 bytes.
 const IMAGE_BYTES: u64 = 64 << 20;
-/// Room for the NUCLEO's log of 96 MiB, in clusters of 4 KiB.
+/// Size of an image with room for the NUCLEO's log of 96 MiB in clusters of 4 KiB, bytes.
 const LARGE_BYTES: u64 = 512 << 20;
-/// FAT32 with clusters that fit the size of such a card.
+/// Options of mkfs: FAT32 with clusters for an image of that size.
 const LARGE: [&str; 4] = ["-F", "32", "-s", "8"];
-/// Where the partition begins, in sectors.
+/// First sector of the partition.
 const START: u32 = 2048;
-/// Samples after which the power fails: in the first second, in the middle of a
-/// sector, at its end, late.
+/// Samples after which the power fails: in the first second, in the middle of a sector, at its end,
+/// late in the test.
 const CUTS: [u64; 6] = [5, 100, 201, 207, 208, 900];
-/// The emulated board's log has room for so many.
+/// Largest number of cuts on one card, limited by the room of the emulated board's log.
 const CUTS_OF_A_CARD: usize = 50;
 
-/// Pulls the battery again and again on one card: each time the file system is
-/// clean, everything but the last second is there, and nothing of the tests before
-/// has changed. `FLOE_POWER_CUTS=200` does it so often, anywhere in a test.
+/// Cuts the power repeatedly with one card. Each time the file system must be clean, everything
+/// except the last second must be there, and earlier tests must be unchanged. `FLOE_POWER_CUTS=200`
+/// makes 200 cuts, spread over a test.
 ///
 /// # Errors
-/// What was lost.
+/// The loss.
 pub fn check_card(route: Route) -> Result<()> {
     let machine = Machine::prepare(Some(route))?;
     let image = target().join(format!("card-{}.img", std::process::id()));
@@ -48,7 +48,7 @@ pub fn check_card(route: Route) -> Result<()> {
 fn cuts() -> Vec<u64> {
     let wanted = std::env::var("FLOE_POWER_CUTS").ok().and_then(|n| n.parse().ok());
     let samples = Record::stick_slip().codes.len() as u64;
-    // The golden ratio's multiples: spread over the test, and no two the same soon.
+    // Multiples of the golden ratio: spread over the test, and different for a long time.
     let anywhere = |n: u64| n.wrapping_mul(0x9E37_79B9_7F4A_7C15) % samples;
     wanted.map_or(CUTS.into(), |wanted: u64| (1..=wanted).map(anywhere).collect())
 }
@@ -83,18 +83,17 @@ fn pull_battery(machine: &Machine, image: &Path) -> Result<()> {
     Ok(())
 }
 
-/// An image with a partition table and an empty FAT32 file system.
+/// Formats an image with a partition table and an empty FAT32 file system.
 fn format(image: &Path) -> Result<()> {
     make(image, IMAGE_BYTES)?;
     with_partition(image, ["-F", "32", "-s", "1"])
 }
 
-/// The card of whoever watches a board live and names none: made once, then as the last run
-/// left it.
+/// Default card of live runs: created once, then kept as the previous run left it.
 pub fn of_live_runs() -> Result<PathBuf> {
     let image = target().join("live-card.img");
     if !image.exists() {
-        // Under another name until it is whole.
+        // Created under another name until it is complete.
         let part = image.with_extension("part");
         make(&part, LARGE_BYTES)?;
         with_partition(&part, LARGE)?;
@@ -103,19 +102,19 @@ pub fn of_live_runs() -> Result<PathBuf> {
     Ok(image)
 }
 
-/// All zero, and no room taken on the disk.
+/// Creates a file of zeros that takes no room on the disk.
 fn make(image: &Path, bytes: u64) -> Result<()> {
     let made = File::create(image).and_then(|file| file.set_len(bytes));
     made.map_err(|e| format!("{}: {e}", image.display()))
 }
 
-/// One partition with a file system in it.
+/// Makes one partition with a file system.
 fn with_partition(image: &Path, options: [&str; 4]) -> Result<()> {
     mkfs(image, options, START)?;
     partition_table(image)
 }
 
-/// A file system from a sector on to the end.
+/// Makes a file system from a sector to the end.
 fn mkfs(image: &Path, options: [&str; 4], start: u32) -> Result<()> {
     let bytes = fs::metadata(image).map_err(|e| e.to_string())?.len();
     let sectors = (bytes / 512) as u32 - start;
@@ -125,7 +124,7 @@ fn mkfs(image: &Path, options: [&str; 4], start: u32) -> Result<()> {
     output(&mut command).map(drop).ok_or_else(|| "mkfs.fat failed".to_string())
 }
 
-/// One partition of type 0x0C (FAT32 with LBA), and the mark at the end.
+/// Writes a table with one partition of type 0x0C (FAT32 with LBA), and the signature at the end.
 fn partition_table(image: &Path) -> Result<()> {
     let bytes = fs::metadata(image).map_err(|e| e.to_string())?.len();
     let mut entry = [0_u8; 16];
@@ -143,7 +142,7 @@ fn put(image: &Path, place: u64, bytes: &[u8]) -> Result<()> {
     done.map_err(|e| format!("{}: {e}", image.display()))
 }
 
-/// An image of a card, gone at the end.
+/// Image of a card, deleted when dropped.
 #[derive(Debug)]
 pub struct Image(PathBuf);
 
@@ -157,28 +156,28 @@ impl Image {
         Ok(image)
     }
 
-    /// FAT32 with room for the board's whole log.
+    /// A FAT32 card with room for the board's whole log.
     pub fn large(name: &str) -> Result<Self> {
         let image = Self::new(name, LARGE_BYTES)?;
         with_partition(&image.0, LARGE)?;
         Ok(image)
     }
 
-    /// The same from the first sector on.
+    /// A FAT32 card without a partition table, with room for the board's whole log.
     pub fn without_table(name: &str) -> Result<Self> {
         let image = Self::new(name, LARGE_BYTES)?;
         mkfs(&image.0, LARGE, 0)?;
         Ok(image)
     }
 
-    /// As small cards are sold.
+    /// A FAT12 card, the format of small cards as sold.
     pub fn fat12(name: &str) -> Result<Self> {
         let image = Self::new(name, 8 << 20)?;
         with_partition(&image.0, ["-F", "12", "-s", "8"])?;
         Ok(image)
     }
 
-    /// As large cards are sold; no more than what tells it.
+    /// An exFAT card, the format of large cards as sold; only the bytes that identify it.
     pub fn exfat(name: &str) -> Result<Self> {
         let image = Self::empty(name)?;
         partition_table(&image.0)?;
@@ -188,17 +187,17 @@ impl Image {
         Ok(image)
     }
 
-    /// Zeros.
+    /// A card of zeros.
     pub fn empty(name: &str) -> Result<Self> {
         Self::new(name, 8 << 20)
     }
 
-    /// Its file.
+    /// The image file.
     pub fn path(&self) -> &Path {
         &self.0
     }
 
-    /// What the board wrote.
+    /// The tests on the card.
     pub fn tests(&self) -> Result<Vec<card::Test>> {
         tests(&self.0)
     }
@@ -215,7 +214,7 @@ fn tests(image: &Path) -> Result<Vec<card::Test>> {
     card::tests(file).map(|(tests, _)| tests).map_err(|e| e.to_string())
 }
 
-/// The last test on the card; it has every code that the converter gave.
+/// The last test on the card, checked to contain every code that the converter delivered.
 ///
 /// # Errors
 /// The first difference.
@@ -234,8 +233,8 @@ pub fn codes_as_given(image: &Path, run: &Run) -> Result<card::Test> {
     }
 }
 
-/// The card has every code that the converter gave in the test, and every line of
-/// it but what only a display needs. Gives a sentence about it.
+/// Checks that the card has every code that the converter delivered in the test, and every line
+/// except those for a display only. Returns a summary sentence.
 ///
 /// # Errors
 /// The first difference.
@@ -266,7 +265,7 @@ fn partition(image: &Path) -> PathBuf {
     image.with_extension("part")
 }
 
-/// A program of dosfstools, which is not in everybody's path; installed when it is missing.
+/// Path of a program of dosfstools, which may be outside PATH; installed if it is missing.
 pub fn tool(name: &str) -> Result<PathBuf> {
     let places = ["/usr/sbin", "/sbin", "/usr/bin"];
     let find = || places.iter().map(|p| Path::new(p).join(name)).find(|path| path.exists());

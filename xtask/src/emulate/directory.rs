@@ -8,15 +8,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use crate::Result;
 use crate::shell::target;
 
-/// Gone at the end.
+/// A temporary directory, deleted when dropped.
 #[derive(Debug)]
 pub struct Directory(PathBuf);
 
 impl Directory {
-    /// An empty one.
+    /// Creates an empty directory.
     ///
     /// # Errors
-    /// It cannot be made.
+    /// The directory cannot be created.
     pub fn new() -> Result<Self> {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
@@ -26,10 +26,10 @@ impl Directory {
         Ok(directory)
     }
 
-    /// Both directions of the converter's line.
+    /// Creates the FIFOs for both directions of the converter's line.
     ///
     /// # Errors
-    /// There is no `mkfifo`.
+    /// `mkfifo` fails.
     pub fn make_fifos(&self) -> Result<()> {
         for fifo in ["adc.in", "adc.out"] {
             let made = Command::new("mkfifo").arg(self.path(fifo)).status();
@@ -40,21 +40,21 @@ impl Directory {
         Ok(())
     }
 
-    /// A file from elsewhere under a name of its own.
+    /// Links a file into the directory under another name.
     ///
     /// # Errors
-    /// It is not there.
+    /// The file does not exist.
     pub fn link(&self, file: &Path, name: &str) -> Result<()> {
         let file = file.canonicalize().map_err(|e| format!("{}: {e}", file.display()))?;
         std::os::unix::fs::symlink(file, self.path(name)).map_err(|e| e.to_string())
     }
 
-    /// Where it is.
+    /// Path of the directory.
     pub fn place(&self) -> &Path {
         &self.0
     }
 
-    /// A file in it.
+    /// Path of a file in the directory.
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }

@@ -1,5 +1,5 @@
-//! A first day on the ice, typed into the console of the image that is flashed: what is said,
-//! what the card keeps, and what a PC makes of that card.
+//! A first day on the ice, typed on the console of the image that is flashed: checks the console,
+//! the card, and the evaluation of the card on a PC.
 
 use std::fs;
 
@@ -17,18 +17,18 @@ use super::record::RATE_HZ;
 use crate::Result;
 use crate::shell::target;
 
-/// The block on the tripod, N.
+/// Weight of the block on the tripod, N.
 const WEIGHT_N: f32 = 630.0;
 /// Samples in the pull of 60 s.
 const PULLED: usize = 960;
-/// Most samples a picture, in the mean: one is drawn every eight, and some wait for a period with more
-/// time.
+/// Largest mean number of samples per picture: one is due every eight, and some are delayed to a
+/// period with more time.
 const PICTURE_SAMPLES: u64 = 12;
 
 /// Clock, self-test, tare, weigh, notes, a pull of 60 s, the zero again; then the card is read.
 ///
 /// # Errors
-/// What was not as it has to be.
+/// The first deviation.
 pub fn check_first_day(nucleo: &Nucleo) -> Result<()> {
     let image = Image::large("day")?;
     let typed = DAY.map(|(tick, line)| (When::Sample(tick), Incident::Type(line.into())));
@@ -48,7 +48,7 @@ pub fn check_first_day(nucleo: &Nucleo) -> Result<()> {
     let pull = tests.iter().find(|test| test.samples.len() > PULLED / 2);
     let pull = pull.ok_or("first day: the pull is not on the card")?;
     let said = check_pull(pull, &played.shown)?;
-    // Also while the log's file is being made.
+    // Required also while the log's file is being extended.
     let pictures = played.outcome.pictures;
     if u64::from(pictures) < last / PICTURE_SAMPLES {
         return Err(format!("first day: {pictures} pictures in {last} samples"));
@@ -58,18 +58,18 @@ pub fn check_first_day(nucleo: &Nucleo) -> Result<()> {
     Ok(())
 }
 
-/// Before the pull ends, display and `floe live` show what the console says.
+/// Checks that before the end of the pull display and `floe live` agree with the console.
 fn check_shown(played: &Played) -> Result<[String; 2]> {
     let photograph = played.outcome.photographs.first().ok_or("first day: no photograph")?;
-    // Between the answer to `status` and the event that `stop` completes.
+    // Lines between the answer to `status` and the event that `stop` completes.
     let from = played.shown.find("\nR,").ok_or("first day: nobody said a result")?;
     let end = played.shown[from + 1..].find("\nE,").ok_or("first day: no event at the end")?;
     let before = &played.shown[..from + 1 + end];
     shown::agree(before, photograph).map_err(|e| format!("first day: {e}"))
 }
 
-/// The weight is right; the card's samples make the events that were said, bit for bit; what
-/// `recover` writes of them is read by `campaign`.
+/// Checks the weight, that the card's samples give the reported events bit for bit, and that
+/// `campaign` reads the log that `recover` writes from them.
 fn check_pull(pull: &Test, shown: &str) -> Result<String> {
     let (weight_n, std_n) = (pull.settings.config.weight_n, pull.settings.stds.weight_n);
     let std_n = std_n.ok_or("first day: a weight without a standard deviation")?;

@@ -1,4 +1,4 @@
-//! The model of the converter at the other end of the emulator's FIFOs.
+//! The model of the converter, connected to the emulator's FIFOs.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufReader, Read, Write};
@@ -7,21 +7,21 @@ use std::time::{Duration, Instant};
 
 use floe::chip::SerialChip;
 
-/// A tick of the board's clock.
+/// Duration of a tick of the board's clock, ns.
 const TICK_NS: u64 = 40;
-/// Sampling periods that the board gets to end the test in.
+/// Sampling periods in which the board must end the test.
 const LAST_PERIODS: u64 = 4;
 
-/// What is typed, and when.
+/// Console input at given times.
 #[derive(Debug)]
 pub struct Typist {
     console: File,
-    /// Number of the load cell's sample, and the text.
+    /// Number of the load cell's sample, and text to type.
     lines: Vec<(u64, String)>,
 }
 
 impl Typist {
-    /// Types into a file that the board reads.
+    /// A typist that appends to the file that the board reads.
     ///
     /// # Errors
     /// The file cannot be opened.
@@ -42,27 +42,27 @@ impl Typist {
     }
 }
 
-/// The converter, and the hands at the console.
+/// The converter and the console input of a run.
 #[derive(Debug)]
 pub struct Link {
     /// The converter.
     pub chip: SerialChip,
-    /// The hands.
+    /// The console input.
     pub typist: Typist,
-    /// Emulated time must not run ahead of the clock on the wall.
+    /// Whether emulated time waits for real time.
     pub real_time: bool,
-    /// The power fails at this sample.
+    /// Sample at which the power fails.
     pub cut_at: Option<u64>,
 }
 
 impl Link {
-    /// Serves the converter until the record is over, then closes the line.
+    /// Serves the converter until the end of the record, then closes the line.
     ///
     /// # Errors
-    /// The emulator went away.
+    /// The emulator closed the line.
     pub fn serve(self, directory: &Path) -> std::io::Result<SerialChip> {
         let Self { mut chip, mut typist, real_time, cut_at } = self;
-        // Opened for both directions, a FIFO does not wait for its other end.
+        // A FIFO opened for both directions does not wait for its other end.
         let open = |name| OpenOptions::new().read(true).write(true).open(directory.join(name));
         let (mut from, mut to) = (BufReader::new(open("adc.out")?), open("adc.in")?);
         let start = Instant::now();

@@ -1,4 +1,4 @@
-//! The board's UART in real time, with somebody at it.
+//! Test of the board's UART in real time, with clients.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::{TcpListener, TcpStream};
@@ -13,19 +13,19 @@ use super::{card, outcome};
 use crate::Result;
 use crate::arm::Route;
 
-/// 15 s.
+/// Samples of the run: 15 s.
 const SAMPLES: usize = 240;
-/// Whole samples that a visitor waits for.
+/// Complete samples that a client waits for, and number of clients.
 const HEARD: usize = 32;
 const VISITS: usize = 3;
-/// The board answers in its next period or the one after, a slow PC later.
+/// Time limit for an answer: the board answers within two periods, a slow PC later.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Attaches to the UART, asks, listens and goes, again and again: every question is
-/// answered, no line is damaged, and the run is the PC's bit for bit all the same.
+/// Repeatedly connects to the UART, asks, listens and disconnects. Every question must be answered,
+/// no line damaged, and the run must equal the PC's bit for bit.
 ///
 /// # Errors
-/// What was not so.
+/// The first deviation.
 pub fn check_live(route: Route) -> Result<()> {
     let machine = Machine::prepare(Some(route))?;
     let free = TcpListener::bind("127.0.0.1:0").and_then(|socket| socket.local_addr());
@@ -42,7 +42,7 @@ pub fn check_live(route: Route) -> Result<()> {
     let answers = visitor.join().map_err(|_| "the visitor failed")??;
     let slowest = answers.into_iter().max().unwrap_or_default().as_millis();
     let same = outcome::decode(&run.shown)?.compare(&record, &run.delivered)?;
-    // What the visitors asked for is not on the card.
+    // The card does not contain the answers to the clients.
     let kept = card::codes_as_given(image.path(), &run)?.samples.len();
     println!(
         "live: attached {VISITS} times, answered within {slowest} ms; {same}; card: {kept} codes"
@@ -50,7 +50,7 @@ pub fn check_live(route: Route) -> Result<()> {
     Ok(())
 }
 
-/// How long the board took to answer.
+/// Connects once; returns the time until the board's answer.
 fn visit(port: u16) -> Result<Duration> {
     let mut board = attach(port)?;
     let failed = |e: std::io::Error| format!("UART: {e}");
@@ -63,7 +63,7 @@ fn visit(port: u16) -> Result<Duration> {
             Ok(Line::Start { .. }) => answered = answered.or(Some(asked.elapsed())),
             Ok(Line::Sample(_)) => samples += 1,
             Ok(_) => {}
-            // The first may be the rest of one.
+            // The first line may be incomplete.
             Err(_) if number == 0 => {}
             Err(error) => return Err(format!("UART: line {number}: {error}")),
         }
@@ -76,7 +76,7 @@ fn visit(port: u16) -> Result<Duration> {
     Err("UART: closed early".into())
 }
 
-/// The emulator takes a moment to start.
+/// Connects, with retries while the emulator starts.
 fn attach(port: u16) -> Result<TcpStream> {
     let start = Instant::now();
     loop {

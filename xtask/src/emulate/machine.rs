@@ -1,4 +1,4 @@
-//! The emulator with the firmware in it.
+//! The emulator running the firmware on the MPS2 board.
 
 use std::fs;
 use std::io::Read;
@@ -18,41 +18,41 @@ use crate::arm::Route;
 use crate::qemu;
 use crate::shell::say;
 
-/// 62.5 million instructions per second.
+/// Speed of the processor: 62.5 million instructions per second.
 const SHIFT: u32 = 4;
 
-/// A firmware that is ready to run.
+/// An emulator and a firmware, ready to run.
 #[derive(Debug)]
 pub struct Machine {
     qemu: &'static str,
     firmware: PathBuf,
 }
 
-/// How to run.
+/// Options of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Setup<'a> {
-    /// Every sample is shown, not only what comes of them.
+    /// Whether every sample is printed, not only the results.
     pub samples: bool,
-    /// In real time, the board's UART 0 on this TCP port of this PC.
+    /// TCP port of the board's UART 0, for a run in real time.
     pub port: Option<u16>,
     /// The SD card.
     pub card: Option<&'a Path>,
-    /// The power fails at this sample, in the middle of the test.
+    /// Sample in the middle of the test at which the power fails.
     pub cut_at: Option<u64>,
 }
 
-/// What a run gave.
+/// Results of a run.
 #[derive(Debug)]
 pub struct Run {
-    /// What the board said.
+    /// Output of the console.
     pub shown: String,
-    /// Every conversion that the board read: number of the sample and code.
+    /// Every conversion that the board read: number of the sample, and code.
     pub delivered: Vec<(u64, i32)>,
-    /// Bytes of stack used at most.
+    /// Largest use of the stack, bytes.
     pub stack: u64,
-    /// What the firmware logged, undecoded.
+    /// The firmware's log, not decoded.
     pub logged: Vec<u8>,
-    /// Time it took.
+    /// Duration of the run.
     pub wall: Duration,
 }
 
@@ -65,15 +65,15 @@ impl Machine {
     /// Builds the firmware and finds the emulator.
     ///
     /// # Errors
-    /// One of them is not to be had.
+    /// The build fails, or the emulator cannot be installed.
     pub fn prepare(forced: Option<Route>) -> Result<Self> {
         Self::with_features(forced, "mps2-an386")
     }
 
-    /// The same with other features of the firmware.
+    /// Builds the firmware with other features and finds the emulator.
     ///
     /// # Errors
-    /// As [`Machine::prepare`].
+    /// The build fails, or the emulator cannot be installed.
     pub fn with_features(forced: Option<Route>, features: &str) -> Result<Self> {
         let qemu = qemu::find()?;
         let firmware = Route::find(forced)?.build_firmware("mps2-an386", features)?;
@@ -91,11 +91,11 @@ impl Machine {
             directory.link(card, "card.img")?;
         }
         let live = if setup.samples { "live on\r\n" } else { "live off\r\n" };
-        // A test that the power failed in would go on.
+        // Ends a test that a power cut has interrupted, which would be resumed.
         let first = if setup.card.is_some() { "stop\r\n" } else { "" };
         let typed = first.to_string() + &record.commands() + live + "start\r\n";
         directory.write("console.in", &typed)?;
-        // In a line of its own, whatever a person may just be typing.
+        // The leading line end separates the command from input of a client.
         let typist = vec![(record.codes.len() as u64, "\r\nstop\r\n".to_string())];
         let typist = Typist::new(&directory.path("console.in"), typist);
         let typist = typist.map_err(|e| e.to_string())?;
@@ -117,10 +117,10 @@ impl Machine {
         Ok(Run { shown, logged, delivered: chip.device().delivered().to_vec(), stack, wall })
     }
 
-    /// Deepest stack in a test with events.
+    /// Largest use of the stack in a test with events.
     ///
     /// # Errors
-    /// As [`Machine::run`].
+    /// The firmware or the emulator failed.
     pub fn stack_used(&self) -> Result<u64> {
         Ok(self.run(&Record::stick_slip(), Setup::default())?.stack)
     }
@@ -135,12 +135,12 @@ impl Machine {
     }
 }
 
-/// UART 0 for whoever comes, one at a time, again and again.
+/// Option of QEMU for UART 0 on a TCP port, for one client at a time.
 fn socket(port: u16) -> String {
     format!("tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on")
 }
 
-/// Says where the console will be, if that port is free.
+/// Prints the address of the console if the port is free.
 pub(super) fn invite(port: u16) -> Result<()> {
     let free = TcpListener::bind(("127.0.0.1", port));
     free.map_err(|e| format!("port {port}: {e}; name another: --live PORT"))?;
@@ -148,8 +148,8 @@ pub(super) fn invite(port: u16) -> Result<()> {
     Ok(())
 }
 
-/// What the board says about its stack at its end; whatever else it or the
-/// emulator says there is passed on.
+/// Largest use of the stack from the board's last line on standard error; other lines are passed
+/// on.
 fn stack_of(child: &mut Child) -> u64 {
     let mut text = String::new();
     if let Some(mut stderr) = child.stderr.take() {
@@ -170,7 +170,7 @@ fn serve(directory: &Directory, link: Link, child: &mut Child) -> Result<SerialC
     let (sender, receiver) = mpsc::channel();
     let place = directory.place().to_path_buf();
     std::thread::spawn(move || {
-        // Nobody waits for the answer when the emulator has failed.
+        // After a failure of the emulator nothing receives the result.
         let _ = sender.send(link.serve(&place));
     });
     let done = loop {
@@ -178,14 +178,15 @@ fn serve(directory: &Directory, link: Link, child: &mut Child) -> Result<SerialC
             break done.map_err(|e| e.to_string())?;
         }
         if let Ok(Some(status)) = child.try_wait() {
-            // A line that was just closed ends the board before it is told of here.
+            // A line that closes at the end stops the board, perhaps before the result arrives
+            // here.
             match receiver.recv_timeout(Duration::from_secs(1)) {
                 Ok(Ok(done)) if status.success() => return Ok(done),
                 _ => return Err(format!("the firmware stopped ({status})")),
             }
         }
     };
-    // The line is closed: the board ends by itself.
+    // The closed line makes the board end.
     let end = Instant::now() + Duration::from_secs(5);
     while Instant::now() < end {
         match child.try_wait() {

@@ -1,14 +1,13 @@
-//! `cargo xtask emulate`: a log through the firmware in the emulator.
+//! `cargo xtask emulate`: runs a log through the firmware in the emulator.
 //!
 //! ```text
 //!  log ─► load cell ─► model of the converter ─► FIFOs ─► firmware in QEMU
 //!                                                 console ─► lines ─► result
 //! ```
 //!
-//! Emulated time stands still whenever the host answers, so a run is as fast as
-//! the PC and the same every time. In real time (`--live`) the host takes its time
-//! with the answers: every sample is there all the same, and whoever attaches to
-//! the board's UART meanwhile talks to it as to a real one.
+//! Emulated time stands still while the host answers, so a run is as fast as the PC and always
+//! gives the same result. In real time (`--live`) the host delays its answers: no sample is lost,
+//! and a client of the board's UART communicates with it as with a real board.
 
 mod card;
 mod directory;
@@ -97,15 +96,15 @@ pub struct Args {
     pub live: Option<u16>,
 }
 
-/// Scenes that the board cannot run: sampled at another rate.
+/// Scenes that the board cannot run, because they are sampled at another rate.
 const OF_ANOTHER_RATE: [&str; 2] =
     ["host-sim/scenes/honesty/rate_and_state_64.toml", "host-sim/scenes/paper/fig5-ellipse.toml"];
 
-/// Runs every bundled log and every scene of the board's rate and compares every
-/// event with this PC's.
+/// Runs every bundled log and every scene with the board's rate, and compares every event with the
+/// one computed on this PC.
 ///
 /// # Errors
-/// The first difference, or there is nothing to compare.
+/// The first difference, or no log or scene was found.
 pub fn check_bundled(board: Board, forced: Option<Route>) -> Result<()> {
     let machine = Ready::new(board, forced)?;
     let weight = TestOptions { weight_n: Some(630.0), ..TestOptions::default() };
@@ -122,8 +121,8 @@ pub fn check_bundled(board: Board, forced: Option<Route>) -> Result<()> {
     Ok(())
 }
 
-/// Runs a bundled log on the image that is flashed, and compares console and card with
-/// what this PC makes of the converter's codes, bit for bit.
+/// Runs a bundled log on the image that is flashed, and compares console and card with the results
+/// computed on this PC from the converter's codes, bit for bit.
 ///
 /// # Errors
 /// The first difference.
@@ -141,10 +140,10 @@ fn check_nucleo(nucleo: &Nucleo) -> Result<()> {
     Ok(())
 }
 
-/// The image that is flashed: a log, then everything that can happen to it.
+/// Tests the image that is flashed: with a log, then with all faults.
 ///
 /// # Errors
-/// What did not go as it has to.
+/// The failed checks.
 pub fn check_board(route: Route) -> Result<()> {
     let nucleo = Nucleo::prepare(Some(route))?;
     let long: [fn(&Nucleo) -> Result<()>; 2] = [check_nucleo, first_day::check_first_day];
@@ -152,14 +151,14 @@ pub fn check_board(route: Route) -> Result<()> {
     check_faults(&nucleo)
 }
 
-/// The bundled logs and scenes of the board's rate, in order.
+/// The bundled logs and the scenes with the board's rate, in order.
 fn bundled() -> Result<Vec<PathBuf>> {
     let mut found = files(&["host-sim/logs", "host-sim/scenes"].map(|folder| root().join(folder)))?;
     found.retain(|path| !OF_ANOTHER_RATE.iter().any(|name| path.ends_with(name)));
     if found.is_empty() { Err("no bundled logs: nothing to compare".into()) } else { Ok(found) }
 }
 
-/// Logs and scenes below some directories, in order.
+/// Logs and scenes in some directories and their subdirectories, in order.
 fn files(directories: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut waiting = directories.to_vec();
     let mut found = Vec::new();
@@ -184,7 +183,7 @@ use faults::check_faults;
 pub use live::check_live;
 pub use troubles::check_troubles;
 
-/// Number of events.
+/// Runs and compares a record; returns the number of events.
 fn check(machine: &Ready, name: &str, record: &Record) -> Result<usize> {
     let run = machine.run(record, Setup { samples: record.has_gaps(), ..Setup::default() })?;
     let outcome = outcome::decode(&run.shown)?;
@@ -204,10 +203,10 @@ impl Args {
     }
 }
 
-/// Runs the job.
+/// Runs the command.
 ///
 /// # Errors
-/// One line for the user.
+/// A message of one line.
 pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     let record = Record::read(&args.log, &args.log_options(), &args.test)?;
     let machine = Ready::new(args.board, forced)?;
@@ -219,9 +218,9 @@ pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     let setup = Setup { samples, port: args.live, card: card.as_deref(), cut_at: None };
     let run = machine.run(&record, setup)?;
     let mut outcome = outcome::decode(&run.shown)?;
-    // Without an image there is no card, and no need to say so.
+    // The report of a missing card is expected in a run without an image.
     outcome.troubles.retain(|t| card.is_some() || !t.starts_with("no card"));
-    // The question whether one was.
+    // Answer to the `stop` sent before the test.
     outcome.troubles.retain(|t| t != "no test is running");
     let health = &outcome.health;
     say(&format!(

@@ -1,4 +1,4 @@
-//! The user's board, emulated: the very image that is flashed.
+//! The user's board in the emulator, running the image that is flashed.
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::fs;
@@ -21,12 +21,12 @@ use crate::arm::Route;
 use crate::qemu;
 use crate::shell::{cargo, run, target};
 
-/// Samples before the test: the commands are typed meanwhile, one a sample.
+/// Samples before the test, during which the commands are typed, one per sample.
 const REST: usize = 32;
-/// Samples that the board gets to end the test in.
+/// Samples in which the board must end the test.
 const LAST: u64 = 16;
 
-/// The board with an image in it.
+/// An emulator and an image, ready to run.
 #[derive(Debug)]
 pub struct Nucleo {
     qemu: &'static str,
@@ -36,29 +36,29 @@ pub struct Nucleo {
     rtt: Option<u32>,
 }
 
-/// What the board said and what was noticed.
+/// Console, log and outcome of a run.
 #[derive(Debug)]
 pub struct Played {
-    /// The console.
+    /// Output of the console.
     pub shown: String,
-    /// What the firmware logged, undecoded.
+    /// The firmware's log, not decoded.
     pub logged: Vec<u8>,
-    /// What the model noticed.
+    /// Outcome recorded by the model.
     pub outcome: Outcome,
 }
 
 impl Played {
-    /// When the board first said a line with these words, s.
+    /// Time of the first line that contains these words, s.
     #[must_use]
     pub fn said_at(&self, words: &str) -> Option<f64> {
         let mut lines = self.shown.lines().zip(&self.outcome.line_times_s);
         lines.find(|(line, _)| line.contains(words)).map(|(_, &time_s)| time_s)
     }
 
-    /// Nothing was done that the manual forbids, nothing typed was lost.
+    /// Checks that there is no breach and that no typed character was lost.
     ///
     /// # Errors
-    /// What was.
+    /// The breaches, or the number of lost characters.
     pub fn check(&self) -> Result<()> {
         let breaches = self.outcome.breaches.join("; ");
         match (breaches.is_empty(), self.outcome.typed_lost) {
@@ -73,15 +73,15 @@ impl Nucleo {
     /// Builds image and model and finds the emulator.
     ///
     /// # Errors
-    /// One of them is not to be had.
+    /// A build fails, or the emulator cannot be installed.
     pub fn prepare(forced: Option<Route>) -> Result<Self> {
         Self::with_features(forced, "nucleo-l476")
     }
 
-    /// The same with other features of the firmware.
+    /// Builds the image with other features and the model, and finds the emulator.
     ///
     /// # Errors
-    /// As [`Nucleo::prepare`].
+    /// A build fails, or the emulator cannot be installed.
     pub fn with_features(forced: Option<Route>, features: &str) -> Result<Self> {
         let qemu = qemu::find()?;
         run(cargo().args(["build", "--quiet", "--package", "floe-board-model"]))?;
@@ -92,12 +92,12 @@ impl Nucleo {
         Ok(Self { qemu, plugin, firmware, stack, rtt })
     }
 
-    /// The program that it runs.
+    /// The image file.
     pub fn firmware(&self) -> &Path {
         &self.firmware
     }
 
-    /// Runs from power-up to the end that the setup names.
+    /// Runs a setup from power-up to its end.
     ///
     /// # Errors
     /// The emulator failed.
@@ -122,20 +122,20 @@ impl Nucleo {
         })
     }
 
-    /// Deepest stack in a test with events while the log's file of a new card is made.
+    /// Largest use of the stack in a test with events, while the log's file is made on a new card.
     ///
     /// # Errors
-    /// As [`Nucleo::run`].
+    /// The emulator failed, or there was a breach.
     pub fn stack_used(&self) -> Result<u64> {
         let image = Image::large("stack")?;
         let setup = super::machine::Setup { card: Some(image.path()), ..Default::default() };
         Ok(self.run(&Record::stick_slip(), setup)?.stack)
     }
 
-    /// A record from power-up to the end of the test.
+    /// Runs a record from power-up to the end of the test.
     ///
     /// # Errors
-    /// The emulator failed, or something was done that the manual forbids.
+    /// The emulator failed, or there was a breach.
     pub fn run(&self, record: &Record, setup: super::machine::Setup<'_>) -> Result<Run> {
         let start = Instant::now();
         setup.port.map(invite).transpose()?;
@@ -164,13 +164,14 @@ impl Nucleo {
     }
 }
 
-/// Samples that a command may be late by: what comes while a picture is drawn is heard with
-/// the next sample, and up to 120 ms later while the file of a new card is made.
+/// Samples by which a command may be late. A command typed during the drawing of a picture is
+/// executed with the next sample, and up to 120 ms later while the file of a new card is being
+/// made.
 fn later(setup: super::machine::Setup<'_>) -> u64 {
     if setup.card.is_some() { 2 } else { 1 }
 }
 
-/// A test as somebody would do it: settings, start, stop.
+/// Script of a test with a record: settings, start, stop.
 fn test_of(record: &Record, setup: super::machine::Setup<'_>) -> Result<Setup> {
     let live = if setup.samples { "live on" } else { "live off" };
     let commands = record.commands();
@@ -195,22 +196,22 @@ fn test_of(record: &Record, setup: super::machine::Setup<'_>) -> Result<Setup> {
     Ok(Setup { codes, rate_hz: RATE_HZ, noise, troubles, script, card, port, ..Setup::quiet() })
 }
 
-/// A card that is there from the beginning.
+/// A card that is inserted at power-up.
 ///
 /// # Errors
-/// There is no such file.
+/// The image does not exist.
 pub fn card(image: &Path) -> Result<CardSetup> {
     let image = image.canonicalize().map_err(|e| format!("{}: {e}", image.display()))?;
     Ok(CardSetup { image, present: true, write_s: 0.8e-3, unreadable: false })
 }
 
-/// Number of the test's first sample: as many as the board had taken when it was asked
-/// for its health just before. Others may have asked earlier.
+/// Index of the test's first sample: the number of samples in the last health line before the
+/// start. Earlier health lines may come from other requests.
 fn first_index(shown: &str) -> Option<u64> {
     let (mut before, mut samples) = (None, None);
     for line in shown.lines() {
         match Line::parse(line) {
-            // Settings stand with the test's number; the start's is another one.
+            // Settings are printed with the current test's number; a start has a new number.
             Ok(Line::Start { run, .. }) => {
                 let other = before.replace(run).is_some_and(|it| it != run);
                 if other && samples.is_some() {
@@ -224,7 +225,7 @@ fn first_index(shown: &str) -> Option<u64> {
     None
 }
 
-/// The stack's two ends and the log's control block.
+/// Addresses of the stack's ends and of the log's RTT control block.
 fn symbols(firmware: &Path) -> Result<((u32, u32), Option<u32>)> {
     let bytes = fs::read(firmware).map_err(|e| format!("{}: {e}", firmware.display()))?;
     let elf = object::File::parse(&*bytes).map_err(|e| e.to_string())?;
@@ -242,7 +243,7 @@ mod tests {
     use floe_firmware::line::Health;
     use floe_firmware::settings::Settings;
 
-    /// Somebody asks for the board's health, too, before the test and in it.
+    /// Health is also requested earlier and during the test.
     #[test]
     fn a_test_begins_where_it_was_started_whoever_asks() {
         let start = |run| Line::Start { run, settings: Settings::default() };

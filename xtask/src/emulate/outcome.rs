@@ -1,4 +1,4 @@
-//! What the board said, and whether the PC says the same.
+//! The decoded output of the board, and its comparison with the computation on this PC.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -15,10 +15,10 @@ use floe_firmware::line::{Health, Line};
 use super::record::Record;
 use crate::Result;
 
-/// The board's words, decoded.
+/// The decoded output of a test.
 #[derive(Debug)]
 pub struct Outcome {
-    /// What the test was computed with.
+    /// Configuration of the test.
     pub config: Config,
     /// Every event.
     pub events: Vec<Event>,
@@ -32,7 +32,7 @@ pub struct Outcome {
     pub health: Health,
     /// Samples shown as unusable.
     pub rejected: BTreeSet<u32>,
-    /// What the board complained of, each thing once.
+    /// The problems that the board reported, each once.
     pub troubles: Vec<String>,
 }
 
@@ -81,8 +81,8 @@ pub fn decode(shown: &str) -> Result<Outcome> {
 }
 
 impl Outcome {
-    /// Runs the converter's codes through the core on this PC: every event has to
-    /// be the board's, bit for bit. Gives a sentence about it.
+    /// Runs the converter's codes through the core on this PC and compares every event with the
+    /// board's, bit for bit. Returns a summary sentence.
     ///
     /// # Errors
     /// The first event that differs.
@@ -92,7 +92,7 @@ impl Outcome {
             Some(&code) if !self.rejected.contains(&index) => Reading::Counts(Counts(code)),
             _ => Reading::Bad(Fault::Timeout),
         };
-        // A board that is busy hears the end a sample or two later.
+        // A busy board executes the end of the test a sample or two later.
         let counters = &self.report.counters;
         let taken = counters.samples + counters.missing;
         let periods = 0..taken.max(record.codes.len() as u32);
@@ -115,18 +115,18 @@ impl Outcome {
         Ok(format!("{bad}{events} events and the report as on this PC, bit for bit"))
     }
 
-    /// Whether the test ran from the record's first sample to its last.
+    /// Whether the test contains the record from its first sample to its last.
     #[must_use]
     pub fn is_whole(&self, record: &Record) -> bool {
         let counters = &self.report.counters;
         counters.samples + counters.missing >= record.codes.len() as u32
     }
 
-    /// In the emulator every tick comes to the clock's very count: a late one is the
-    /// emulator's mistake, and the run would not be repeatable.
+    /// Checks that every tick came at its exact count of the clock. A deviation is an error of the
+    /// emulator, and the run would not be repeatable.
     ///
     /// # Errors
-    /// How late one came.
+    /// The deviation.
     pub fn check_ticks(&self) -> Result<()> {
         match self.health.jitter_s {
             Some(jitter_s) if jitter_s > 0.0 => Err(format!("a tick came {jitter_s} s late")),
@@ -134,10 +134,10 @@ impl Outcome {
         }
     }
 
-    /// As `floe replay` would give it.
+    /// The result in the form of `floe replay`.
     ///
     /// # Errors
-    /// There is no room for the events.
+    /// The number of events exceeds the room.
     pub fn result(&self, path: &Path, record: &Record) -> Result<ReplayResult> {
         let span = |times: &[f64]| Some(times.last()? - times.first()?);
         let log = LogSummary {
@@ -177,7 +177,7 @@ impl Outcome {
     }
 }
 
-/// What this PC computes of samples.
+/// The results that the core on this PC computes from samples.
 pub fn host(
     config: &Config,
     samples: impl Iterator<Item = RawSample>,
@@ -190,7 +190,7 @@ pub fn host(
     Ok((events, pipeline.report()))
 }
 
-/// Every number of an event as its bits; the rest as text.
+/// All numbers of an event as bits; the other fields as text.
 fn bits(event: &Event) -> (Vec<Option<u32>>, String) {
     let mut numbers: Vec<Option<f32>> = vec![
         Some(event.onset.fraction),

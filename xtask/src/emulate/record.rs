@@ -1,4 +1,4 @@
-//! A log as what the load cell does in every sampling period.
+//! A log converted to codes of the load cell, one per sampling period.
 
 use std::fs::File;
 use std::io::Cursor;
@@ -14,35 +14,35 @@ use floe_firmware::settings::NAME_LEN;
 
 use crate::Result;
 
-/// The rate of the board.
+/// Sampling rate of the board, Hz.
 pub const RATE_HZ: f64 = 16.0;
-/// The largest force of a log is at this share of the converter's range.
+/// Largest force of a log as a fraction of the converter's range.
 const HEADROOM: f64 = 0.5;
-/// Standard deviation of the converter's own noise, in codes, and its seed.
+/// Standard deviation of the converter's noise, in codes, and its seed.
 pub const NOISE: (f64, u64) = (12.0, 20_260_321);
 
-/// What the load cell does.
+/// Input of the load cell for a run.
 #[derive(Clone, Debug)]
 pub struct Record {
     /// Format of the log.
     pub format: &'static str,
     /// Name of the test.
     pub test_id: Option<String>,
-    /// What the core is told, calibration of the load cell included.
+    /// Configuration of the core, including the calibration of the load cell.
     pub config: Config,
-    /// Code in every sampling period; `None` where the log has none.
+    /// Code in every sampling period; `None` where the log has no value.
     pub codes: Vec<Option<i32>>,
-    /// The log's own time of every period.
+    /// Time of every period in the log, s.
     pub times_s: Vec<f64>,
-    /// More that is wrong with the converter.
+    /// Additional faults of the converter.
     pub trouble: Schedule,
 }
 
 impl Record {
-    /// Reads a log and chooses a load cell that fits its forces.
+    /// Reads a log, and chooses a load cell with a suitable range.
     ///
     /// # Errors
-    /// The log cannot be read, or has another rate than the board.
+    /// The log cannot be read, or its rate is not that of the board.
     pub fn read(path: &Path, format: &LogOptions, options: &TestOptions) -> Result<Self> {
         let place = path.display();
         let input: Box<dyn std::io::Read + Send> = if is_scene(path) {
@@ -69,8 +69,8 @@ impl Record {
         })
     }
 
-    /// A minute of a block of 630 N that sticks and slips every two seconds: the
-    /// force rises for 28 samples and falls in three.
+    /// A minute of a 630 N block that sticks and slips every two seconds: the force rises for 28
+    /// samples and falls for three.
     #[must_use]
     pub fn stick_slip() -> Self {
         let force = |i: u32| match i % 32 {
@@ -92,21 +92,21 @@ impl Record {
         }
     }
 
-    /// The load cell: where the log has nothing, the converter says nothing.
+    /// The load cell, and a converter that does not answer where the log has no value.
     #[must_use]
     pub fn load_cell(&self) -> (LoadCell, Schedule) {
         let (codes, trouble) = self.played();
         (LoadCell::from_codes(&codes, RATE_HZ).with_noise(NOISE.0, NOISE.1), trouble)
     }
 
-    /// A code for every period, and what is wrong with the converter.
+    /// A code for every period, and the faults of the converter.
     #[must_use]
     pub fn played(&self) -> (Vec<i32>, Schedule) {
         let mut trouble = self.trouble.clone();
         let mut last = 0;
         let codes = (0..).zip(&self.codes).map(|(index, code)| {
             if code.is_none() {
-                // The answer of a period comes in the next one.
+                // The answer to a conversion comes in the next period.
                 trouble = std::mem::take(&mut trouble).with(index + 1, index + 2, Trouble::Silent);
             }
             last = code.unwrap_or(last);
@@ -115,7 +115,7 @@ impl Record {
         (codes.collect(), trouble)
     }
 
-    /// The same with so many samples of rest before it.
+    /// The record preceded by `samples` samples at rest.
     #[must_use]
     pub fn after_rest(&self, samples: usize) -> Self {
         let first = self.codes.iter().flatten().next().copied();
@@ -124,13 +124,13 @@ impl Record {
         Self { codes: codes.collect(), trouble, ..self.clone() }
     }
 
-    /// Whether the log lacks samples.
+    /// Whether the log has gaps.
     #[must_use]
     pub fn has_gaps(&self) -> bool {
         self.codes.contains(&None)
     }
 
-    /// What has to be typed before the test.
+    /// The commands to type before the test.
     #[must_use]
     pub fn commands(&self) -> String {
         let Config { weight_n, slope_rad, winch_m_per_s, range_n, calibration, .. } = self.config;
@@ -147,18 +147,18 @@ impl Record {
     }
 }
 
-/// What of a name the board takes.
+/// The characters of a name that the board accepts.
 fn board_name(name: &str) -> String {
     let fits = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     name.chars().take(NAME_LEN).map(|c| if fits(c) { c } else { '-' }).collect()
 }
 
-/// Whether a file is a scene, not a log.
+/// Whether a file is a scene instead of a log.
 pub fn is_scene(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension == "toml")
 }
 
-/// The log of a scene, as `floe simulate` writes it.
+/// The log of a scene, as written by `floe simulate`.
 fn simulated(path: &Path) -> Result<Vec<u8>> {
     const SEED: u64 = 1;
     let failed = |e: &dyn ToString| format!("{}: {}", path.display(), e.to_string());
@@ -174,7 +174,7 @@ fn simulated(path: &Path) -> Result<Vec<u8>> {
     run.failure().map_or(Ok(text), |why| Err(failed(&why)))
 }
 
-/// Every period from the first sample to the last, and its time.
+/// All periods from the first sample to the last, and their times.
 fn read_all(log: &mut Log) -> Result<(Vec<Option<Reading>>, Vec<f64>)> {
     let (mut readings, mut times_s) = (Vec::new(), Vec::new());
     let mut first = None;

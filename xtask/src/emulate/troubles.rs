@@ -1,4 +1,4 @@
-//! Everything that can be wrong with the converter, through the whole firmware.
+//! All faults of the converter, run through the whole firmware.
 
 use std::ops::Range;
 
@@ -12,17 +12,17 @@ use super::record::Record;
 use crate::Result;
 use crate::arm::Route;
 
-/// Samples that the trouble lasts for, of 960.
+/// Samples with the fault, of 960.
 const TROUBLE: Range<u64> = 400..420;
 
-/// Samples that it may go unnoticed for.
+/// Longest time until a fault is reported, samples.
 const WITHIN: u64 = 2;
 
-/// Runs a test with each trouble in it: it has to be shown within two samples and
-/// to be over two samples after its end, without a reset of the board.
+/// Runs a test with each fault. It must be reported within two samples and end within two samples
+/// after its cause, without a reset of the board.
 ///
 /// # Errors
-/// Which trouble was not handled.
+/// The faults that were not handled.
 pub fn check_troubles(route: Route) -> Result<()> {
     let machine = Machine::prepare(Some(route))?;
     let lasting = [
@@ -70,7 +70,7 @@ fn check(machine: &Machine, name: &str, trouble: Trouble, end: u64) -> Result<()
     Ok(())
 }
 
-/// Index of a sample that the board shows as unusable.
+/// Index of a sample that the board reports as unusable.
 fn bad_sample(line: &str) -> Option<u64> {
     match Line::parse(line) {
         Ok(Line::Sample(sample)) => match sample.flag {

@@ -1,5 +1,5 @@
-//! Instructions, counted by the emulator: run with `-icount shift=8`, where an
-//! instruction takes 256 ns of the clock's 40 ns ticks.
+//! Instruction counts from the emulator: run with `-icount shift=8`, where an instruction takes 256
+//! ns of the clock's 40 ns ticks.
 
 use core::hint::black_box;
 
@@ -15,7 +15,7 @@ use static_cell::StaticCell;
 use super::fake::SawAdc;
 use super::functions::{EMPTY, FUNCTIONS};
 
-/// Instructions of a call, less those of an empty one.
+/// Instructions of a call, minus those of an empty call.
 fn count<T>(job: impl FnOnce() -> T) -> u32 {
     ticks(job).saturating_sub(ticks(|| ()))
 }
@@ -35,7 +35,7 @@ pub fn run() {
     show("record", |_| (), |()| black_box(Record::default()).encode(), 4);
 }
 
-/// Every elementary function, through the same kind of call.
+/// Counts every elementary function through the same kind of call.
 #[inline(never)]
 pub fn functions() {
     const ROUNDS: u32 = 256;
@@ -51,7 +51,7 @@ fn new_pipeline() -> Pipeline {
     Pipeline::new(&config).expect("a valid configuration")
 }
 
-/// A pipeline over a minute of stick and slip.
+/// Counts the pipeline's steps over a minute of stick and slip.
 #[inline(never)]
 fn step() {
     static PIPELINE: StaticCell<Pipeline> = StaticCell::new();
@@ -61,7 +61,7 @@ fn step() {
     show("report", |_| (), |()| pipeline.report(), 4);
 }
 
-/// The interrupt without the bus.
+/// Counts the sampling interrupt without a bus.
 #[inline(never)]
 fn sampler() {
     static SHARED: Shared = Shared::new();
@@ -71,7 +71,7 @@ fn sampler() {
     show("sampler", |i| i, |i| sampler.tick(i), 64);
 }
 
-/// A sample and an event as text.
+/// Counts the conversion of a sample and of an event to text.
 #[inline(never)]
 fn lines() {
     static PIPELINE: StaticCell<Pipeline> = StaticCell::new();

@@ -1,4 +1,4 @@
-//! Neighbours that the tests know everything about.
+//! Stand-ins for converter, console and card with known behaviour.
 
 use core::convert::Infallible;
 
@@ -11,8 +11,8 @@ use floe_firmware::store::{Store, StoreError};
 /// Codes per newton of [`SawAdc`].
 pub const CODES_PER_N: i32 = 5000;
 
-/// A converter that sees a block stick and slip every two seconds: the force
-/// rises for 28 samples and falls in three, with a little noise.
+/// A converter on a block that sticks and slips every two seconds: the force rises for 28 samples
+/// and falls for three, with a little noise.
 #[derive(Debug, Default)]
 pub struct SawAdc {
     sample: Option<u32>,
@@ -41,7 +41,7 @@ impl BridgeAdc for SawAdc {
     }
 }
 
-/// Somebody who has typed everything already and does not look.
+/// A console whose whole input is typed in advance and whose output is discarded.
 #[derive(Debug)]
 pub struct Typed(pub &'static [u8]);
 
@@ -74,16 +74,16 @@ impl Write for Typed {
     }
 }
 
-/// A card that checks what it gets and keeps only the counts.
+/// A store that checks every sector and keeps only counts.
 #[derive(Debug, Default)]
 pub struct CheckedStore {
     next: u32,
     last_index: Option<u32>,
-    /// Samples in the log.
+    /// Number of samples in the log.
     pub samples: u32,
-    /// Indices that the log lacks.
+    /// Number of indices missing from the log.
     pub missing: u32,
-    /// Overruns as the last sector says.
+    /// Overruns as stated in the last sector.
     pub overruns: u32,
 }
 

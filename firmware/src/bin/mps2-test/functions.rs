@@ -1,7 +1,7 @@
-//! The elementary functions of each library and the arguments to compare them at.
+//! The elementary functions of each library and the arguments at which they are compared.
 //!
-//! The same file is compiled for the PC (`tests/support/maths.rs`): what is measured
-//! there and on the board is one piece of source.
+//! This file is also compiled for the PC (`tests/support/maths.rs`), so that PC and board measure
+//! identical source.
 #![allow(clippy::disallowed_types, clippy::disallowed_methods, reason = "measured, not used")]
 
 use core::fmt;
@@ -16,24 +16,24 @@ use super::hardware;
 pub struct Function {
     /// Name in mathematics; `rough_sqrt` is a square root for limits.
     pub name: &'static str,
-    /// Whose it is.
+    /// Name of the library.
     pub library: &'static str,
-    /// Smallest and largest argument that Floe has for it.
+    /// Smallest and largest argument in Floe.
     pub range: (f32, f32),
     /// The function.
     pub call: fn(f32) -> f32,
 }
 
-/// Variances of forces, N², and ratios of such.
+/// Range of variances of forces, N², and of their ratios.
 const SQUARES: (f32, f32) = (1e-12, 1e12);
-/// `ω` times a time within a slip, and slopes, rad: both ways, one turn.
+/// Range of `ω` times a time within a slip, and of slopes, rad: one turn in both directions.
 const ANGLES: (f32, f32) = (-6.3, 6.3);
-/// `k w / (ω d)`: from hardly a winch to hardly a drop.
+/// Range of `k w / (ω d)`: from nearly no winch speed to nearly no drop.
 const RATIOS: (f32, f32) = (1e-6, 1e9);
-/// Logarithms of likelihood ratios: the smallest normal number, and what is cut off.
+/// Range of logarithms of likelihood ratios: the smallest normal number, and the cut-off.
 const LOG_RATIOS: (f32, f32) = (-87.0, 7.0);
 
-/// All that are compared, the core's own under the library that it takes.
+/// All functions compared; those of the core are listed under the library that implements them.
 pub const FUNCTIONS: [Function; 23] = [
     new("sqrt", "floe", SQUARES, math::sqrt),
     new("sqrt", "libm", SQUARES, libm::sqrtf),
@@ -60,7 +60,7 @@ pub const FUNCTIONS: [Function; 23] = [
     new("ln", "micromath", SQUARES, F32Ext::ln),
 ];
 
-/// Does nothing: what it costs to call any of them.
+/// Function without effect; its count is the overhead of a call.
 pub const EMPTY: Function = new("empty", "none", (0.0, 1.0), |x| x);
 
 const fn new(
@@ -73,8 +73,8 @@ const fn new(
 }
 
 impl Function {
-    /// Argument number `i` of `0..=last`: in even steps, or over decades in steps of
-    /// the number's own bits. Single precision alone, so the same everywhere.
+    /// Argument number `i` of `0..=last`: equally spaced or, over decades, in equal steps of the
+    /// number's bits. Single precision only, so that PC and board compute the same values.
     #[must_use]
     pub fn argument(&self, i: u32, last: u32) -> f32 {
         let (from, to) = self.range;
@@ -85,7 +85,7 @@ impl Function {
         f32::from_bits(from.to_bits() + (steps * u64::from(i) / u64::from(last)) as u32)
     }
 
-    /// FNV-1a over the bits of 4096 results.
+    /// FNV-1a hash over the bits of 4096 results.
     #[must_use]
     pub fn hash(&self) -> u32 {
         let bytes = (0..4096).flat_map(|i| (self.call)(self.argument(i, 4095)).to_le_bytes());

@@ -1,8 +1,8 @@
-//! What the processor has of elementary functions: one instruction.
+//! Elementary functions of the processor: the square root instruction.
 
 /// Square root by `vsqrt`.
 ///
-/// Written out because the compiler offers no stable way to it without std.
+/// In assembly, because stable Rust offers no access to the instruction without std.
 #[unsafe(naked)]
 #[allow(unsafe_code)] // SAFETY: argument and result in s0, no other register, no memory.
 pub extern "C" fn vsqrt(x: f32) -> f32 {

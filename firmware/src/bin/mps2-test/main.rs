@@ -1,10 +1,10 @@
-//! Tests that run on the emulated board: one per start, named in the file
-//! `test.name`; the exit code says how it went.
+//! Tests that run on the emulated board: one per start, named in the file `test.name`. The exit
+//! code is the result:
 //!
 //! | code | meaning |
 //! |---|---|
 //! | 0 | passed |
-//! | 101 | a panic, its words on standard error |
+//! | 101 | a panic; its message is on standard error |
 //! | 102 | a hard fault |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

@@ -1,11 +1,11 @@
-//! The same numbers as on a PC, and the ends that should never come.
+//! Comparisons with the PC, and the abnormal ends of a program.
 
 use core::cmp::Ordering;
 use core::hint::black_box;
 
 use super::functions::FUNCTIONS;
 
-/// Hashes every elementary function over its range; the PC finds the same.
+/// Prints a hash of every elementary function over its range; the PC must find the same.
 #[inline(never)]
 pub fn maths() {
     for function in FUNCTIONS {
@@ -13,8 +13,8 @@ pub fn maths() {
     }
 }
 
-/// Moves, copies, fills and compares bytes of every length and at every place in a
-/// word, and finds the bytes where they belong.
+/// Moves, copies, fills and compares bytes of every length at every offset in a word, and checks
+/// the result.
 pub fn bytes() {
     for length in 0..24 {
         for (from, to) in (0..64).map(|i| (i / 8, i % 8)) {
@@ -36,19 +36,19 @@ pub fn bytes() {
     }
 }
 
-/// Has to end with exit code 101.
+/// Must end with exit code 101.
 pub fn panic() {
     panic!("deliberate");
 }
 
-/// Has to end with exit code 102: nothing is at that address.
+/// Must end with exit code 102: no memory is at that address.
 #[allow(unsafe_code)]
 pub fn fault() {
     // SAFETY: it is not safe, and the emulated board has to notice.
     unsafe { core::ptr::read_volatile(0xE800_0000 as *const u32) };
 }
 
-/// Has to be stopped at the end of the stack.
+/// Must be stopped at the end of the stack.
 pub fn overflow() {
     semihosting::println!("{}", deeper(1));
 }

@@ -1,5 +1,5 @@
-//! The main loop is away: nothing is lost until the queue is full, and then
-//! exactly what did not fit.
+//! Stalls of the main loop: no sample is lost until the queue is full, then exactly those that do
+//! not fit.
 
 use floe_core::Pipeline;
 use floe_firmware::app::App;
@@ -68,7 +68,7 @@ fn counters(app: &Logger) -> (u32, u32) {
     (report.counters.missing, view.health.overruns)
 }
 
-/// The main loop runs for so many ticks, and ends with an empty queue.
+/// Runs the main loop for a number of ticks, ending with an empty queue.
 fn work(app: &mut Logger, ticks: u32) {
     for _ in 0..ticks {
         sleep_unless(|| app.has_samples());
@@ -76,7 +76,7 @@ fn work(app: &mut Logger, ticks: u32) {
     }
 }
 
-/// The main loop is away for so many ticks, as with a card that is busy.
+/// Keeps the main loop from running for a number of ticks, like a busy card.
 fn stall(ticks: u32) {
     let start = mps2::clock();
     while mps2::clock().wrapping_sub(start) < ticks * TICK - TICK / 2 {

@@ -1,4 +1,4 @@
-//! Tick and sleep.
+//! Accuracy of the sampling tick, and sleep without a lost wake-up.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -11,7 +11,7 @@ static TICKS: AtomicU32 = AtomicU32::new(0);
 static LAST: AtomicU32 = AtomicU32::new(0);
 static WORST: AtomicU32 = AtomicU32::new(0);
 
-/// Counts ticks and keeps the largest deviation of their distance.
+/// Counts ticks and keeps the largest deviation of their interval.
 struct Counter;
 
 impl Tick for Counter {
@@ -29,8 +29,8 @@ fn start() {
     mps2::start_tick(COUNTER.init(Counter));
 }
 
-/// A thousand ticks are 62.5 ms apart, to the few instructions that the interrupt
-/// may have to wait for.
+/// Checks that a thousand ticks are 62.5 ms apart, within the few instructions that may delay the
+/// interrupt.
 #[inline(never)]
 pub fn tick_is_exact() {
     start();
@@ -42,8 +42,8 @@ pub fn tick_is_exact() {
     assert!(worst <= 2, "{worst} ticks of 40 ns off");
 }
 
-/// Every tick wakes the main loop once, wherever it is at that moment: awake for
-/// a time that grows through a whole period, it must never sleep through one.
+/// Checks that every tick wakes the main loop once, wherever the loop is at that moment. The time
+/// awake grows through a whole period, and no tick may be missed.
 #[inline(never)]
 pub fn no_wake_up_is_lost() {
     const ROUNDS: u32 = 500;
@@ -55,7 +55,7 @@ pub fn no_wake_up_is_lost() {
         assert!(ticks > seen, "woken without a tick in round {round}");
         assert!(ticks - seen <= 2, "slept through {} ticks in round {round}", ticks - seen - 1);
         seen = ticks;
-        // Busy for 0 to 1.1 periods, so that the question meets the interrupt.
+        // Busy for 0 to 1.1 periods, so that the test for work coincides with the interrupt.
         let busy = (CLOCK_HZ / 16) / 1000 * (round * 11 / 5);
         let start = mps2::clock();
         while mps2::clock().wrapping_sub(start) < busy {}

@@ -1,4 +1,4 @@
-//! How a program ends that should not: the exit code says why.
+//! Abnormal end of a program: the exit code is the cause.
 
 use cortex_m_rt::{ExceptionFrame, exception};
 use semihosting::process::exit;

@@ -1,17 +1,16 @@
-//! The board's neighbours as files in the emulator's working directory.
+//! Converter, console and card of the emulated board, as files in the emulator's working directory.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `adc.out`, `adc.in` | FIFOs to a model of the converter |
-//! | `console.in`, `console.out` | what the user types (may grow) and sees |
-//! | `uart` | if it is there, UART 0 types and sees the same |
-//! | `card.img` | the SD card, if there is one |
+//! | `console.in`, `console.out` | input (the file may grow) and output of the console |
+//! | `uart` | if present, UART 0 is a second console with the same output |
+//! | `card.img` | the SD card, if present |
 //!
-//! Emulated time stands still while the host reads or answers, so hours pass in
-//! seconds and every run is the same. A frame to the converter is its time in
-//! clock ticks (u64), the number of bytes and whether an answer is wanted (u8
-//! each), and the bytes; the answer is a number of bytes and the bytes. Numbers are
-//! little endian.
+//! Emulated time stands still while the host reads or answers, so hours pass in seconds and every
+//! run is identical. A frame to the converter is its time in clock ticks (u64), the number of bytes
+//! and whether an answer is wanted (u8 each), and the bytes; the answer is a number of bytes and
+//! the bytes. Numbers are little endian.
 
 use core::convert::Infallible;
 
@@ -36,7 +35,7 @@ pub struct AdcLine {
 }
 
 impl AdcLine {
-    /// Opens the FIFOs; `None` if the host has not made them.
+    /// Opens the FIFOs; `None` if the host has not created them.
     #[must_use]
     pub fn open() -> Option<Self> {
         let to = File::create(c"adc.out").ok()?;
@@ -45,7 +44,7 @@ impl AdcLine {
         Some(Self { to, from, frames, unsent, arrived, now: 0 })
     }
 
-    /// The clock without its wrap; called far more often than that wraps.
+    /// Ticks of the clock without its wrap; called far more often than the clock wraps.
     fn now(&mut self) -> u64 {
         let passed = clock().wrapping_sub(self.now as u32);
         self.now += u64::from(passed);
@@ -107,8 +106,7 @@ impl Write for AdcLine {
         Ok(bytes.len())
     }
 
-    /// Puts the bytes in a frame with their time; it travels with the next
-    /// question.
+    /// Puts the bytes and their time into a frame, which is sent with the next question.
     fn flush(&mut self) -> Result<(), Infallible> {
         self.add_frame(false);
         Ok(())
@@ -125,7 +123,7 @@ pub struct ConsoleFiles {
 }
 
 impl ConsoleFiles {
-    /// Opens the files; `None` if the host has not made them.
+    /// Opens the files; `None` if the host has not created them.
     #[must_use]
     pub fn open() -> Option<Self> {
         let typed = File::open(c"console.in").ok()?;
@@ -181,7 +179,7 @@ impl Write for ConsoleFiles {
 pub struct CardFile(Option<File>);
 
 impl CardFile {
-    /// An image that is not there is a card that is not in its slot.
+    /// Opens the image. A missing image behaves like a slot without a card.
     #[must_use]
     pub fn open() -> Self {
         Self(File::options().read(true).write(true).open(c"card.img").ok())

@@ -1,8 +1,7 @@
-//! Arm MPS2 with image AN386: a Cortex-M4F that QEMU has, to test on.
+//! Arm MPS2 with image AN386: a Cortex-M4F board that QEMU emulates, used for tests.
 //!
-//! Timer 0 is the sampling tick, timer 1 the clock. The converter, the console and
-//! the card are files of the emulator's host, see [`files`]; in real time UART 0 is
-//! a console too.
+//! Timer 0 is the sampling tick, timer 1 the clock. Converter, console and card are files of the
+//! emulator's host, see [`files`]; in real time UART 0 is a second console.
 
 mod crash;
 pub mod files;
@@ -33,7 +32,7 @@ const INT_CLEAR: usize = 0xC;
 const ENABLE: u32 = 1 << 0;
 const INTERRUPT: u32 = 1 << 3;
 
-/// An interrupt.
+/// Number of an interrupt.
 #[derive(Clone, Copy)]
 struct Line(u16);
 
@@ -42,7 +41,7 @@ impl Line {
     const TIMER0: Self = Self(8);
 }
 
-// SAFETY: the two above, the only ones there are, have this board's numbers.
+// SAFETY: both constants above are this board's interrupt numbers, and no others exist.
 unsafe impl cortex_m::interrupt::InterruptNumber for Line {
     fn number(self) -> u16 {
         self.0
@@ -79,10 +78,10 @@ unsafe extern "C" fn on_timer0() {
     });
 }
 
-/// Starts the clock and guards the stack. Call it first, once.
+/// Starts the clock and the guard below the stack. Call it once, before anything else.
 ///
 /// # Panics
-/// It is the second time.
+/// On the second call.
 pub fn start() {
     let peripherals = cortex_m::Peripherals::take().expect("started twice");
     stack::guard(&peripherals.MPU);
@@ -107,7 +106,7 @@ pub fn start_tick(tick: &'static mut (dyn Tick + Send)) {
     unsafe { NVIC::unmask(Line::TIMER0) };
 }
 
-/// Waits by the clock.
+/// Delay by polling the clock.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Delay;
 
@@ -119,7 +118,7 @@ impl DelayNs for Delay {
     }
 }
 
-/// Ends the emulation with an exit code, after saying how deep the stack was.
+/// Prints the largest use of the stack and ends the emulation with an exit code.
 pub fn finish(code: i32) -> ! {
     let (used, size) = stack::used();
     semihosting::eprintln!("stack {used} of {size} bytes");

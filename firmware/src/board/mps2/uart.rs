@@ -1,7 +1,7 @@
-//! UART 0: the console of people, next to that of the files.
+//! UART 0: a console for people, next to the console in files.
 //!
-//! Whoever is there may type and read; nobody has to be. A reader that does not
-//! keep up loses bytes, as on a real serial line, and never holds up the board.
+//! A user may be connected or not. A reader that is too slow loses bytes, as on a real serial line,
+//! and never delays the board.
 
 use core::cell::RefCell;
 
@@ -23,9 +23,9 @@ const RX_FULL: u32 = 1 << 1;
 const ENABLE_TX_RX_AND_RX_INTERRUPT: u32 = 0b1011;
 const RX_INTERRUPT: u32 = 1 << 1;
 
-/// 115 200 baud; the emulator wants a divider and is as fast as it likes.
+/// Divider for 115 200 baud; the emulator requires a value and ignores the speed.
 const DIVIDER: u32 = super::CLOCK_HZ / 115_200;
-/// Ticks of the clock that a byte may wait for a slow reader: 1 ms.
+/// Longest time that a byte waits for a slow reader, clock ticks: 1 ms.
 const PATIENCE: u32 = super::CLOCK_HZ / 1000;
 
 static TYPED: Mutex<RefCell<Deque<u8, 256>>> = Mutex::new(RefCell::new(Deque::new()));
@@ -35,7 +35,7 @@ static TYPED: Mutex<RefCell<Deque<u8, 256>>> = Mutex::new(RefCell::new(Deque::ne
 pub struct Uart;
 
 impl Uart {
-    /// Switches it on.
+    /// Enables the UART.
     #[must_use]
     pub fn start() -> Self {
         write(UART0 + BAUD_DIVIDER, DIVIDER);
@@ -45,12 +45,12 @@ impl Uart {
         Self
     }
 
-    /// The next byte that was typed.
+    /// The next typed byte.
     pub fn typed(&mut self) -> Option<u8> {
         critical_section::with(|cs| TYPED.borrow_ref_mut(cs).pop_front())
     }
 
-    /// Shows bytes. What the reader does not take in time is lost.
+    /// Sends bytes; those that the reader does not take in time are lost.
     pub fn show(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             let start = clock();
@@ -64,7 +64,7 @@ impl Uart {
     }
 }
 
-/// Takes bytes while there are any; those without room are lost.
+/// Stores received bytes; those without room are lost.
 pub(super) unsafe extern "C" fn on_receive() {
     write(UART0 + INT_CLEAR, RX_INTERRUPT);
     critical_section::with(|cs| {

@@ -1,4 +1,4 @@
-//! The bus that converter and display share, freed when somebody holds it.
+//! The I²C bus shared by converter and display, with recovery from a chip that blocks it.
 
 use core::cell::RefCell;
 
@@ -14,25 +14,25 @@ use static_cell::StaticCell;
 
 use super::clock::Delay;
 
-/// The port.
+/// The I²C peripheral.
 pub(super) type Port = I2c<'static, Blocking, Master>;
 
-/// Timing for 380 kHz from 16 MHz (RM0351, I2C master initialisation): SCLL 1.375 us, SCLH
-/// 0.5 us, and 0.75 us of slopes and filters. The oscillator may run 5 % fast until the
-/// crystal keeps it in step; fast mode ends at 400 kHz.
+/// Timing for 380 kHz from 16 MHz (RM0351, I2C master initialisation): SCLL 1.375 us, SCLH 0.5 us,
+/// and 0.75 us of slopes and filters. Fast mode allows 400 kHz: the oscillator may run 5 % fast
+/// until it is locked to the crystal.
 const FAST_MODE: u32 = 0x1032_030A;
 
 const SCL: usize = 8;
 const SDA: usize = 9;
-/// Clocks after which any chip lets go of the data line.
+/// Number of clocks after which any chip releases the data line.
 const CLOCKS: u32 = 9;
-/// Half a period of 100 kHz, for whoever is slow.
+/// Half a period of 100 kHz, slow enough for every chip.
 const HALF_US: u32 = 5;
 
 type Place = Mutex<RefCell<Port>>;
 
-/// One end of the bus: each transaction has it alone. Only the sampling interrupt is
-/// kept waiting, not the console.
+/// Handle of the bus with exclusive transactions. A transaction delays the sampling interrupt only,
+/// not the console.
 #[derive(Clone, Copy)]
 #[expect(missing_debug_implementations, reason = "the peripheral has none")]
 pub struct Bus(&'static Place);
@@ -53,12 +53,12 @@ impl ErrorType for Bus {
 }
 
 impl Bus {
-    /// Does something on the bus that nobody else does meanwhile.
+    /// Runs one operation with exclusive access to the bus.
     fn alone(&self, deed: impl FnOnce(&mut Port) -> Result<(), Error>) -> Result<(), Error> {
         without_tick(|| {
-            // SAFETY: only the main loop and the tick's interrupt have the bus. The
-            // interrupt runs to its end before the main loop goes on, and is kept off
-            // while the main loop is in here: this is the only borrow.
+            // SAFETY: only the main loop and the tick's interrupt use the bus. The interrupt runs
+            // to its end before the main loop continues, and is masked while the main loop is in
+            // here: this is the only borrow.
             let cs = unsafe { critical_section::CriticalSection::new() };
             let done = deed(&mut self.0.borrow_ref_mut(cs));
             if !matches!(done, Ok(()) | Err(Error::Nack)) {
@@ -69,8 +69,8 @@ impl Bus {
     }
 }
 
-/// Converter and display are written to, and written to and read: each has the port's own
-/// function, a tenth of the code that any row of operations takes.
+/// Write and write-read, the operations of converter and display, use the port's own functions: a
+/// tenth of the code for arbitrary sequences of operations.
 impl embedded_hal::i2c::I2c for Bus {
     fn write(&mut self, address: u8, bytes: &[u8]) -> Result<(), Error> {
         self.alone(|port| port.blocking_write(address, bytes))
@@ -85,7 +85,7 @@ impl embedded_hal::i2c::I2c for Bus {
     }
 }
 
-/// Keeps the sampling interrupt waiting meanwhile; it may be the caller itself.
+/// Masks the sampling interrupt during `deed`; the caller may be that interrupt.
 fn without_tick<R>(deed: impl FnOnce() -> R) -> R {
     let was_on = NVIC::is_enabled(Interrupt::LPTIM1);
     NVIC::mask(Interrupt::LPTIM1);
@@ -93,14 +93,13 @@ fn without_tick<R>(deed: impl FnOnce() -> R) -> R {
     cortex_m::asm::isb();
     let result = deed();
     if was_on {
-        // SAFETY: it was on before.
+        // SAFETY: the interrupt was unmasked before.
         unsafe { NVIC::unmask(Interrupt::LPTIM1) };
     }
     result
 }
 
-/// The port starts again, and a chip that was interrupted while it sent gets the clocks
-/// that it waits for.
+/// Restarts the port and sends the clocks that a chip needs to finish an interrupted transfer.
 #[cold]
 fn free() {
     pac::I2C1.cr1().modify(|w| w.set_pe(false));
@@ -122,7 +121,7 @@ fn free() {
         set(SCL, true);
         half();
     }
-    // A stop: data rises while the clock is high.
+    // Stop condition: data rises while the clock is high.
     for (pin, high) in [(SCL, false), (SDA, false), (SCL, true), (SDA, true)] {
         set(pin, high);
         half();

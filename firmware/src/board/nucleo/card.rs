@@ -1,4 +1,4 @@
-//! The card in its slot: it may come and go.
+//! The SD card in its slot; a card may be inserted and removed at any time.
 
 use core::cell::Cell;
 
@@ -13,31 +13,31 @@ use embedded_sdmmc::{Block, BlockCount, BlockDevice, BlockIdx, SdCard};
 
 use super::clock::{Delay, clock};
 
-/// 250 kHz of 16 MHz, until a card is ready; the specification wants at most 400.
+/// 250 kHz from 16 MHz until a card is ready; the specification allows 400 kHz at most.
 const SLOW: Br = Br::DIV64;
 /// 8 MHz afterwards.
 const FAST: Br = Br::DIV2;
-/// Ten bytes are 80 clocks; the specification wants 74 before the first command.
+/// 80 clocks; the specification requires 74 before the first command.
 const WAKE_BYTES: [u8; 10] = [0xFF; 10];
 /// CMD0 with its checksum.
 const GO_IDLE: [u8; 6] = [0x40, 0, 0, 0, 0, 0x95];
-/// Bytes within which any card answers a command.
+/// Number of bytes within which any card answers a command.
 const ANSWER_BYTES: usize = 10;
-/// Longest time for anything asked of a card, us: the specification gives it 1 s to get
-/// ready and half a second to write.
+/// Time limit for each request to a card, us: the specification allows 1 s for start-up and 0.5 s
+/// for a write.
 const LIMIT_US: u32 = 1_000_000;
 
-/// The bus to the only card on it. Chip select stays low once the card is awake: the
-/// specification does not let it rise within a transaction, and the driver's are cut
+/// The SPI bus, on which the card is the only device. Chip select stays low once the card is awake:
+/// the specification forbids it to rise within a transaction, and the driver splits a transaction
 /// into many.
 struct CardBus {
     spi: Spi<'static, Blocking, spi::mode::Master>,
     select: Output<'static>,
-    /// When what is being asked for began.
+    /// Time of the clock at the start of the current request, us.
     since: u32,
 }
 
-/// The bus failed, or the card took too long.
+/// Error: the bus failed, or the card exceeded the time limit.
 #[derive(Clone, Copy, Debug)]
 struct Failed;
 
@@ -71,7 +71,7 @@ impl SpiDevice for CardBus {
 }
 
 impl CardBus {
-    /// Wakes whatever is there; whether anybody answers the first command.
+    /// Resets a card to the idle state; returns whether a card answered.
     fn wake(&mut self) -> bool {
         self.set_speed(SLOW);
         self.select.set_high();
@@ -89,7 +89,7 @@ impl CardBus {
         answered
     }
 
-    /// The bus is idle: whatever was sent has been waited for.
+    /// Sets the clock divider. All bytes must have been sent: the bus is idle.
     fn set_speed(&mut self, divider: Br) {
         SPI2.cr1().modify(|w| w.set_spe(false));
         SPI2.cr1().modify(|w| {
@@ -99,7 +99,7 @@ impl CardBus {
     }
 }
 
-/// A slot with a card or none.
+/// The card slot, with a card or empty.
 #[expect(missing_debug_implementations, reason = "the driver has none")]
 pub struct CardSlot {
     card: SdCard<CardBus, Delay>,
@@ -119,8 +119,8 @@ impl CardSlot {
         Self { card, ready: Cell::new(false) }
     }
 
-    /// Does something with a card that is ready. One that fails has to be got ready
-    /// again: it may be another.
+    /// Runs an operation with a card that is ready. After an error the card must be made ready
+    /// again, because it may be a different one.
     fn with<R>(
         &self,
         deed: impl FnOnce(&SdCard<CardBus, Delay>) -> Result<R, SdError>,

@@ -1,4 +1,4 @@
-//! Tick, clock and sleep.
+//! Sampling tick, clock and delay.
 
 use core::cell::{Cell, RefCell};
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -14,17 +14,16 @@ use embedded_hal::delay::DelayNs;
 
 use crate::sampler::Tick;
 
-/// What TIM2 counts in a second: the oscillator in step with the crystal makes 488
-/// clocks of one of its periods (data sheet, MSI in PLL mode), of which every sixteenth
-/// counts. Half a thousandth less than a million.
+/// Counts of TIM2 per second, 0.05 % less than a million. The oscillator makes 488 clocks per
+/// period of the crystal to which it is locked (data sheet, MSI in PLL mode); TIM2 counts one of
+/// 16.
 pub const CLOCK_HZ: u32 = 488 * 32_768 / 16;
 
-/// Clocks of a sampling period, 16 Hz: of the crystal, and of the 16 MHz oscillator
-/// over 64.
+/// Clocks in a sampling period (16 Hz): of the crystal, and of the 16 MHz oscillator divided by 64.
 const CRYSTAL_PERIODS: u16 = 2048;
 const INTERNAL_PERIODS: u16 = 15_625;
 
-/// What the sampling tick is counted from.
+/// Clock source of the sampling tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// The 32 768 Hz crystal: 16 Hz exactly.
@@ -40,23 +39,23 @@ static TICK: Mutex<RefCell<Option<&'static mut (dyn Tick + Send)>>> =
 /// Starts the clock from the 16 MHz system clock.
 pub(super) fn start() {
     pac::RCC.apb1enr1().modify(|w| w.set_tim2en(true));
-    // Two clocks have to pass before the timer may be touched: the read-back takes them.
+    // The timer may be accessed after two clocks, which this read-back takes.
     pac::RCC.apb1enr1().read();
     pac::TIM2.psc().write_value(16 - 1);
     pac::TIM2.arr().write_value(u32::MAX);
-    // The prescaler is taken over by an update event.
+    // An update event loads the prescaler.
     pac::TIM2.egr().write(|w| w.set_ug(true));
     pac::TIM2.cr1().modify(|w| w.set_cen(true));
 }
 
-/// Whether a reset has left crystal and calendar running.
+/// Whether crystal and calendar have kept running through a reset.
 pub(super) fn calendar_runs() -> bool {
     let backup = pac::RCC.bdcr().read();
     backup.lserdy() && backup.rtcen() && backup.rtcsel() == Rtcsel::LSE
 }
 
-/// Switches the crystal on, which takes its time; until the tick comes the processor is
-/// woken every 10 ms to look.
+/// Starts the crystal, which takes some time. SysTick wakes the processor every 10 ms until the
+/// sampling tick starts, so that the main loop can check.
 pub(super) fn start_crystal(systick: &mut SYST) {
     systick.set_clock_source(SystClkSource::Core);
     systick.set_reload(16_000_000 / 100 - 1);
@@ -73,8 +72,7 @@ pub(super) fn start_crystal(systick: &mut SYST) {
     }
 }
 
-/// Whether the crystal runs. From then on it keeps the system clock in step, and the
-/// calendar counts.
+/// Whether the crystal runs. If so, locks the system clock to it and starts the calendar.
 #[must_use]
 pub fn crystal_runs() -> bool {
     let backup = pac::RCC.bdcr().read();
@@ -91,7 +89,7 @@ pub fn crystal_runs() -> bool {
     true
 }
 
-/// Microseconds since the start, modulo 2³².
+/// Counts of TIM2 since the start, about 1 us each ([`CLOCK_HZ`]), modulo 2³².
 #[must_use]
 pub fn clock() -> u32 {
     pac::TIM2.cnt().read()
@@ -113,16 +111,16 @@ pub fn start_tick(tick: &'static mut (dyn Tick + Send), source: Source) {
             INTERNAL_PERIODS
         }
     };
-    // The interrupt has to be chosen while the timer is off, the period set
-    // while it is on (RM0351, LPTIM).
+    // The interrupt must be enabled while the timer is off, and the period set while it is on
+    // (RM0351, LPTIM).
     timer.ier().write(|w| w.set_arrmie(true));
     timer.cr().write(|w| w.set_enable(true));
     timer.arr().write(|w| w.set_arr(periods - 1));
     while !timer.isr().read().arrok() {}
     timer.cr().modify(|w| w.set_cntstrt(true));
     LAST_TICK.store(clock(), Ordering::Relaxed);
-    // SAFETY: nobody else sets priorities or has the timer that has woken us so far; the
-    // handler below is in the vector table, and the console's, which may interrupt it,
+    // SAFETY: nothing else sets priorities or uses SysTick, which has woken the processor so far.
+    // The handler below is in the vector table; the console's handler, which may interrupt it,
     // shares nothing with it.
     unsafe {
         let mut core = cortex_m::Peripherals::steal();
@@ -132,7 +130,7 @@ pub fn start_tick(tick: &'static mut (dyn Tick + Send), source: Source) {
     }
 }
 
-/// Below the console's, which has 87 us to fetch a character.
+/// Priority of the tick, below the console's, which must fetch a character within 87 us.
 const TICK_PRIORITY: u8 = 0x80;
 
 #[interrupt]
@@ -140,35 +138,35 @@ fn LPTIM1() {
     pac::LPTIM1.icr().write(|w| w.set_arrmcf(true));
     let stamp = clock();
     LAST_TICK.store(stamp, Ordering::Relaxed);
-    // SAFETY: from `start_tick` on nobody but this interrupt borrows the tick, and it
-    // does not interrupt itself.
+    // SAFETY: from `start_tick` on only this interrupt borrows the tick, and it does not interrupt
+    // itself.
     let cs = unsafe { critical_section::CriticalSection::new() };
     if let Some(tick) = TICK.borrow_ref_mut(cs).as_mut() {
         tick.tick(stamp);
     }
 }
 
-/// Microseconds since the last tick.
+/// Microseconds since the newest tick.
 #[must_use]
 pub fn since_tick() -> u32 {
-    // First the tick: one that comes meanwhile would be later than the clock was.
+    // The tick is read first: a tick after this line would be later than the clock.
     let tick = LAST_TICK.load(Ordering::Relaxed);
     clock().wrapping_sub(tick)
 }
 
-/// Waits by the clock.
+/// Delay by polling the clock.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Delay;
 
 impl DelayNs for Delay {
     fn delay_ns(&mut self, ns: u32) {
         let start = clock();
-        // One more: the first microsecond may be nearly over.
+        // One count more, because the first count may be nearly over.
         while clock().wrapping_sub(start) <= ns.div_ceil(1000) {}
     }
 }
 
-/// The clock for the time limits of embassy's drivers; nobody waits on it.
+/// Clock for the time limits of embassy's drivers; no driver waits by it.
 struct TimeDriver {
     high: Mutex<Cell<(u32, u32)>>,
 }
@@ -178,7 +176,7 @@ embassy_time_driver::time_driver_impl!(static DRIVER: TimeDriver = TimeDriver {
 });
 
 impl embassy_time_driver::Driver for TimeDriver {
-    /// Asked at every tick, so that no wrap (71 minutes) is missed.
+    /// The tick calls this, so no wrap (71 minutes) is missed.
     fn now(&self) -> u64 {
         critical_section::with(|cs| {
             let low = clock();

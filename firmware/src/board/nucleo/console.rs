@@ -1,4 +1,4 @@
-//! USART2: what is typed is collected by interrupt.
+//! Console on USART2; an interrupt collects the typed characters.
 
 use core::cell::RefCell;
 
@@ -14,7 +14,7 @@ use crate::console::LOST;
 
 static TYPED: Mutex<RefCell<Deque<u8, 128>>> = Mutex::new(RefCell::new(Deque::new()));
 
-/// The port.
+/// The serial port.
 #[expect(missing_debug_implementations, reason = "the peripheral has none")]
 pub struct Console {
     tx: UartTx<'static, Blocking>,
@@ -23,7 +23,7 @@ pub struct Console {
 impl Console {
     pub(super) fn new(uart: Uart<'static, Blocking>) -> Self {
         let (tx, rx) = uart.split();
-        // The receiver stays on for ever; only its registers are used.
+        // The receiver stays on for ever; the driver is not needed beyond its registers.
         core::mem::forget(rx);
         pac::USART2.cr1().modify(|w| w.set_rxneie(true));
         // SAFETY: the handler below is in the vector table.
@@ -37,8 +37,8 @@ fn USART2() {
     let flags = pac::USART2.isr().read();
     if flags.rxne() {
         let byte = pac::USART2.rdr().read().dr() as u8;
-        // What nobody fetches in time is lost: 128 characters are a long line. That is said in place of the
-        // newest one.
+        // Characters that are not fetched in time are lost (128 characters are a long line). The
+        // newest stored one is replaced by a mark.
         critical_section::with(|cs| {
             let mut typed = TYPED.borrow_ref_mut(cs);
             if typed.push_back(byte).is_err()

@@ -1,4 +1,4 @@
-//! Why the board started: the last words of a panic outlive the reset.
+//! The cause of a reset: the message of a panic or a fault is kept through it.
 
 use core::mem::MaybeUninit;
 
@@ -9,7 +9,7 @@ use heapless::String;
 use super::stack;
 use crate::text::{Hex, Out, Show};
 
-/// The first of a panic's words.
+/// A message, cut to the first 96 bytes.
 pub type Words = String<96>;
 
 const VALID: u32 = 0x464C_4F45;
@@ -20,11 +20,11 @@ struct Crash {
     words: Words,
 }
 
-/// Not touched by the start-up code.
+/// Message that the start-up code leaves untouched.
 #[unsafe(link_section = ".uninit.crash")]
 static mut CRASH: MaybeUninit<Crash> = MaybeUninit::uninit();
 
-/// Leaves last words and starts the board again.
+/// Stores a message and resets the board.
 pub fn die(reason: &dyn Show) -> ! {
     cortex_m::interrupt::disable();
     let mut words = Words::new();
@@ -34,27 +34,27 @@ pub fn die(reason: &dyn Show) -> ! {
     cortex_m::peripheral::SCB::sys_reset()
 }
 
-/// Leaves word of a fault: of its place, or that the stack has run over.
+/// Stores a message about a fault, its address or a stack overflow, and resets the board.
 ///
 /// # Safety
-/// `frame` is where the stack ended when the fault came: what the processor has put there, or
-/// would have if there had been room.
+/// `frame` is the stack pointer after the fault: it points to the frame that the processor pushed,
+/// or would have pushed with enough room.
 pub unsafe extern "C" fn fault(frame: *const ExceptionFrame) -> ! {
     if !stack::has_room_below(frame.cast()) {
         die(&"the stack ran over");
     }
-    // SAFETY: it is in the stack.
+    // SAFETY: there is room for the frame, so it lies within the stack.
     die(&("a fault at 0x", Hex(unsafe { (*frame).pc() }, 8)))
 }
 
-/// Why the board started, if not by power; asked once.
+/// Cause of the reset, `None` after power-up. The message is cleared by the first call.
 #[must_use]
 pub fn last_words() -> Option<Words> {
     let flags = pac::RCC.csr().read();
     pac::RCC.csr().modify(|w| w.set_rmvf(true));
     let crash = (&raw mut CRASH).cast::<Crash>();
-    // SAFETY: before the tick starts nobody else runs. The words are only read
-    // if the mark says that they were written, by this very program.
+    // SAFETY: nothing else runs before the tick starts. The message is read only if the mark shows
+    // that this very program has written it.
     let words = unsafe {
         let valid = (&raw const (*crash).valid).read_volatile() == VALID;
         let powered = flags.borrstf();

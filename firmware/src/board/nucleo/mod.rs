@@ -1,10 +1,10 @@
-//! NUCLEO-L476RG: the board that a user flashes.
+//! NUCLEO-L476RG: the board that a user programs.
 //!
-//! | job | peripheral | pins (Arduino name) |
+//! | function | peripheral | pins (Arduino name) |
 //! |---|---|---|
 //! | sampling tick | LPTIM1 on the 32 768 Hz crystal | - |
 //! | clock, 1 MHz | TIM2 | - |
-//! | time of day through resets | RTC, on the same crystal | - |
+//! | time of day, kept through resets | RTC, on the same crystal | - |
 //! | converter, display | I2C1, 400 kHz | PB8 SCL (D15), PB9 SDA (D14) |
 //! | SD card | SPI2 | PB13 SCK, PB14 MISO, PB15 MOSI, PB12 CS |
 //! | console | USART2, 115 200 baud, the ST-LINK's USB | PA2, PA3 |
@@ -34,31 +34,31 @@ use console::Console;
 /// The watchdog.
 pub type Watchdog = IndependentWatchdog<'static, IWDG>;
 
-/// Longest time on the bus that is not a fault: the display's 65 bytes take 1.5 ms.
+/// Time limit of a transfer: the longest, 65 bytes for the display, takes 1.5 ms.
 const I2C_LIMIT: Duration = Duration::from_millis(4);
-/// Longer than the longest pause of a card, shorter than a user's patience.
+/// Watchdog period: longer than the longest pause of a card, shorter than a user's patience.
 const WATCHDOG_US: u32 = 10_000_000;
 
-/// What `main` gets.
+/// The board's peripherals, handed to `main`.
 #[expect(missing_debug_implementations, reason = "the peripherals have none")]
 pub struct Board {
-    /// For converter and display.
+    /// The I²C bus of converter and display.
     pub bus: Bus,
     /// The SD card.
     pub card: CardSlot,
-    /// The serial line.
+    /// The serial console.
     pub console: Console,
-    /// Resets the board unless it is petted.
+    /// The watchdog; it resets the board unless it is fed in time.
     pub watchdog: Watchdog,
 }
 
 impl Board {
-    /// Starts clocks and peripherals; the tick is started by [`clock::start_tick`].
+    /// Starts clocks and peripherals, except the tick ([`clock::start_tick`]).
     #[must_use]
     pub fn init() -> Self {
-        // Embassy leaves the core's own peripherals to us.
+        // Embassy does not use the core's own peripherals.
         let Some(mut core) = cortex_m::Peripherals::take() else {
-            // Nobody has taken them since the reset.
+            // First call since the reset.
             unreachable!()
         };
         stack::guard(&core.MPU);
@@ -74,7 +74,7 @@ impl Board {
         let i2c = I2c::new_blocking(p.I2C1, p.PB8, p.PB9, config);
 
         let mut config = spi::Config::default();
-        // An empty slot must not look like a card that answers.
+        // The pull-up makes an empty slot read as no answer.
         config.miso_pull = Pull::Up;
         let spi = Spi::new_blocking(p.SPI2, p.PB13, p.PB15, p.PB14, config);
         let select = Output::new(p.PB12, Level::High, Speed::Medium);
@@ -93,9 +93,9 @@ impl Board {
     }
 }
 
-/// 16 MHz from the internal oscillator; the crystal keeps it in step as soon as it runs.
-/// Nobody waits for that here. After a reset it runs already, and the calendar with it:
-/// then nothing of that is touched.
+/// 16 MHz from the internal oscillator, which is locked to the crystal as soon as the crystal runs;
+/// this function does not wait for it. If crystal and calendar run since before a reset, they are
+/// left untouched.
 fn clocks() -> embassy_stm32::Config {
     let mut config = embassy_stm32::Config::default();
     config.rcc.msi = Some(rcc::MSIRange::RANGE16M);

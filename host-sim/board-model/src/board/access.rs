@@ -1,4 +1,4 @@
-//! Who answers at an address.
+//! Reads and writes of the peripherals, by address.
 
 use super::{Board, Emulator};
 use crate::i2c::Wires as Lines;
@@ -19,11 +19,11 @@ const FLASH: u32 = 0x4002_2000;
 const GPIOA: u32 = 0x4800_0000;
 const GPIOB: u32 = 0x4800_0400;
 
-/// Where the peripherals are, 1 KiB each (RM0351, table 1).
+/// Base addresses of the peripherals, 1 KiB each (RM0351, table 1).
 pub const BASES: [u32; 12] =
     [TIM2, RTC, IWDG, SPI2, USART2, I2C1, PWR, LPTIM1, RCC, FLASH, GPIOA, GPIOB];
 
-/// The enable register and the bit that a peripheral's clock hangs on.
+/// Enable register and bit of a peripheral's clock; `None` if the clock is always on.
 fn gate(base: u32) -> Option<(u32, u32)> {
     Some(match base {
         TIM2 => (APB1, 0),
@@ -45,7 +45,7 @@ const SDA: u32 = 9;
 const CARD_SELECT: u32 = 12;
 const CARD_DATA: u32 = 14;
 
-/// The context of an access, while the peripheral is borrowed too.
+/// The context of an access, built while the peripheral is borrowed as well.
 macro_rules! at {
     ($board:ident, $now_ns:ident) => {
         &mut At { now_ns: $now_ns, clocks: $board.clocks, rules: &mut $board.rules }
@@ -54,8 +54,8 @@ macro_rules! at {
 pub(super) use at;
 
 impl Board {
-    /// Reads; `None`: the bus reports an error. A program that waits for a flag gets it
-    /// when it changes, without the thousands of answers in between.
+    /// Reads a register; `None`: bus error. A program that polls a flag gets the next change at
+    /// once, and the time skips to it, without thousands of equal answers.
     pub fn read(
         &mut self,
         emulator: &mut dyn Emulator,
@@ -72,8 +72,8 @@ impl Board {
         self.read_now(emulator, base, offset, size)
     }
 
-    /// When what a program may be waiting for changes by itself, ns. A byte of the card's
-    /// bus is too short for that: it is gone before the second question.
+    /// Time of the next change that a polling program may wait for, ns. The card's bus is left out:
+    /// its bytes are shorter than two polls.
     fn next_change_ns(&self, base: u32) -> Option<u64> {
         match base {
             USART2 => self.usart.next_change_ns(),
@@ -121,7 +121,7 @@ impl Board {
         Some(value)
     }
 
-    /// Writes; `false`: the bus reports an error.
+    /// Writes a register; `false`: bus error.
     pub fn write(
         &mut self,
         emulator: &mut dyn Emulator,
@@ -164,7 +164,7 @@ impl Board {
             GPIOA => self.port_a.write(offset, value),
             _ => self.write_port_b(offset, value, now_ns),
         }
-        // The converter's first sample is what moments of the script count from.
+        // The script may count from the converter's first sample, which a write on I2C1 starts.
         if matches!(base, USART2 | LPTIM1 | RCC | IWDG | I2C1) {
             self.settle(emulator, now_ns);
         }
@@ -202,7 +202,7 @@ impl Board {
         self.follow_clocks(now_ns);
     }
 
-    /// A peripheral back to its beginnings.
+    /// Resets a peripheral to its initial state.
     pub(super) fn reset_one(&mut self, base: u32) {
         match base {
             TIM2 => self.tim2.reset(),
@@ -243,21 +243,21 @@ mod tests {
     use crate::board::clock::Clock;
     use crate::run::Setup;
 
-    /// Nothing is due before this, ns.
+    /// Time before which no event is due, ns.
     const DUE_NS: u64 = 50_000_000;
 
     const ISR: u32 = 0x1C;
     const TC: u32 = 1 << 6;
     const TXE: u32 = 1 << 7;
 
-    /// A character is on the wire.
+    /// A board with a character on the wire.
     fn sending() -> (Board, Clock) {
         let mut board = Board::new(Setup::quiet()).unwrap();
         let mut clock = Clock { now_ns: 1000, due_ns: DUE_NS, ..Clock::default() };
         let writes = [(RCC, 0x58, 1 << 17), (USART2, 0x0C, 35), (USART2, 0, 9), (USART2, 0x28, 65)];
         for (base, offset, value) in writes {
             assert!(board.write(&mut clock, base, offset, (4, value)));
-            // The enable takes its time.
+            // The enable takes some time.
             clock.now_ns += 10_000;
         }
         (board, clock)
@@ -269,7 +269,7 @@ mod tests {
         let before_ns = clock.now_ns;
         let first = board.read(&mut clock, USART2, ISR, 4).unwrap();
         assert_eq!((first & (TXE | TC), clock.now_ns), (TXE, before_ns));
-        // A look at the clock is no other question.
+        // A read of the clock does not interrupt the polling.
         board.read(&mut clock, TIM2, 0x24, 4);
         let second = board.read(&mut clock, USART2, ISR, 4).unwrap();
         assert_eq!(second & TC, TC);

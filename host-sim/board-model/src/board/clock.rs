@@ -1,15 +1,15 @@
-//! For tests: a clock instead of an emulator.
+//! A clock for tests, in place of the emulator.
 
 use super::Emulator;
 use crate::rtt::Memory;
 
-/// What time it is, ns, and what the board has asked for.
+/// Current time, ns, and the requests of the board.
 #[derive(Default)]
 pub(super) struct Clock {
     pub(super) now_ns: u64,
-    /// Nothing is due before this: nobody may skip beyond it.
+    /// Time of the next due event, ns; skipping stops there.
     pub(super) due_ns: u64,
-    /// When the board wants to be woken.
+    /// Time at which the board asked to be woken, ns.
     pub(super) wanted_ns: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What happens by itself: time, the script, resets, the end.
+//! Events without an access by the program: time, the script, resets, the end.
 
 use super::access::at;
 use super::{Board, Emulator};
@@ -15,20 +15,20 @@ use crate::wires::Hold;
 const USART2_LINE: u32 = 38;
 const LPTIM1_LINE: u32 = 65;
 
-/// The board is looked at at least so often, ns: without it the emulator gives up in
-/// a program that waits for minutes; in real time, and while it logs, more often.
+/// Longest interval between two wake-ups of the board, ns: without wake-ups the emulator gives up
+/// on a program that waits for minutes. In real time, and with a log, wake-ups are more frequent.
 const HEARTBEAT_NS: u64 = 1_000_000_000;
 const BUSY_HEARTBEAT_NS: u64 = 10_000_000;
 
-/// What `cortex-m-rt` paints the stack with.
+/// Word with which `cortex-m-rt` paints the stack.
 const PAINT: u32 = 0xCCCC_CCCC;
-/// The RAM that a failing supply spoils.
+/// Address and length of the RAM that a power failure destroys.
 const RAM: (u32, usize) = (0x2000_0000, 96 * 1024);
 
 const CONVERTER_RESET: u8 = 0x06;
 
 impl Board {
-    /// Something is due, or time has passed.
+    /// Processes all events due at the current time.
     pub fn wake(&mut self, emulator: &mut dyn Emulator) {
         let now_ns = emulator.now_ns();
         self.follow_clocks(now_ns);
@@ -43,7 +43,7 @@ impl Board {
         self.settle(emulator, now_ns);
     }
 
-    /// Brings the interrupt lines up to date, and says when to wake next.
+    /// Updates the interrupt lines and requests the next wake-up.
     pub(super) fn settle(&mut self, emulator: &mut dyn Emulator, now_ns: u64) {
         let lines_up = (self.lptim.interrupt(), self.usart.interrupt());
         if lines_up.0 != self.lines_up.0 {
@@ -67,7 +67,7 @@ impl Board {
         emulator.wake_at(next.clamp(now_ns + 1, heartbeat));
     }
 
-    /// The moment of something in the script, if it is known yet.
+    /// Time of a script entry, ns; `None` if it is not known yet.
     fn due_ns(&self, when: &When) -> Option<u64> {
         match *when {
             When::Seconds(s) => Some((s * 1e9) as u64),
@@ -75,14 +75,14 @@ impl Board {
         }
     }
 
-    /// Whatever is due.
+    /// Runs the script's due entries.
     fn play(&mut self, emulator: &mut dyn Emulator, now_ns: u64) {
         let script = std::mem::take(&mut self.script);
         let is_due = |when: &When| self.due_ns(when).is_some_and(|due_ns| due_ns <= now_ns);
         let (mut due, waits): (Vec<_>, Vec<_>) =
             script.into_iter().partition(|(when, _)| is_due(when));
         self.script = waits;
-        // The next one is last.
+        // The next entry is last.
         while let Some((_, incident)) = due.pop() {
             self.happen(emulator, now_ns, incident);
         }
@@ -134,7 +134,7 @@ impl Board {
         emulator.restart();
     }
 
-    /// The processor starts again.
+    /// Resets the peripherals after a restart of the processor.
     pub fn restarted(&mut self, now_ns: u64) {
         if now_ns == 0 {
             return;
@@ -143,14 +143,14 @@ impl Board {
         self.outcome.resets.push((now_ns as f64 * 1e-9, words.into()));
         self.rcc.reset(bits | cause::PIN);
         BASES.into_iter().for_each(|base| self.reset_one(base));
-        // What was broken on purpose is whole again.
+        // A restart ends the failures that the script has caused.
         (self.tim2.dead, self.failing) = (false, None);
         self.waiting_for_tick = true;
         self.lines_up = (false, false);
         self.follow_clocks(now_ns);
     }
 
-    /// What the board says goes to whoever listens.
+    /// Collects log and console output, and serves the TCP console.
     fn listen(&mut self, emulator: &mut dyn Emulator, now_ns: u64) {
         if let Some(block) = self.setup.rtt {
             self.logged.extend(rtt::drain(emulator, block));
@@ -164,7 +164,7 @@ impl Board {
         self.heard = self.usart.said.len();
     }
 
-    /// Leaves behind what came of the run.
+    /// Writes the files with the results of the run.
     fn end(&mut self, emulator: &mut dyn Emulator, now_ns: u64) {
         self.listen(emulator, now_ns);
         if self.slot.present {
@@ -209,7 +209,7 @@ mod tests {
 
     const PERIOD_NS: u64 = 62_500_000;
 
-    /// When somebody begins to type who waits for a sample.
+    /// Time at which typing starts that is scripted for a sample, ns.
     fn typed_ns(setup: Setup, sample: u64, first_ns: u64) -> u64 {
         let script = vec![(When::Sample(sample), Incident::Type("x".into()))];
         let mut board = Board::new(Setup { script, ..setup }).unwrap();
@@ -226,8 +226,8 @@ mod tests {
         clock.now_ns
     }
 
-    /// Not when the board happens to be looked at: an image that logs is looked at more
-    /// often than one that does not, and both have to hear the same.
+    /// The time does not depend on the wake-ups: an image with a log is woken more often than one
+    /// without, and both must receive the same input.
     #[test]
     fn a_moment_of_a_sample_is_the_same_whoever_is_looked_at() {
         for (sample, first_ns) in [(0, 1000), (3, 1000), (32, 7_777_777)] {

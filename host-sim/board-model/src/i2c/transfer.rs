@@ -1,48 +1,48 @@
-//! What is on the two wires: start, address and bytes, each for as long as its bits take.
+//! Transfers on the two wires: start, address and bytes, with the duration of their bits.
 
 use super::{ARLO, AUTOEND, I2c, NACKF, READ, RELOAD, START, STOP, STOPF, TC, TCR};
 use crate::rules::At;
 
-/// What the wire adds to every clock period (slopes, filters, synchronisation): as in
-/// the manual's own examples for fast mode.
+/// Time added to every clock period on the wire (slopes, filters, synchronisation), ns, as in the
+/// manual's examples for fast mode.
 const SYNC_NS: f64 = 750.0;
 
-/// What hangs on the bus.
+/// The chips on the bus.
 pub trait Target {
-    /// A start and an address; whether somebody acknowledges.
+    /// Receives a start and an address; whether a chip acknowledges.
     fn start(&mut self, now_ns: u64, address: u8, read: bool) -> bool;
-    /// A byte from the master; whether it is acknowledged.
+    /// Receives a byte from the master; whether it is acknowledged.
     fn write(&mut self, now_ns: u64, byte: u8) -> bool;
-    /// A byte to the master.
+    /// Sends a byte to the master.
     fn read(&mut self, now_ns: u64) -> u8;
-    /// The stop.
+    /// Receives the stop.
     fn stop(&mut self, now_ns: u64);
 }
 
-/// What the two wires are like now.
+/// Current state of the two wires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wires {
-    /// Both pins are given to the unit, as open drain.
+    /// Both pins are assigned to the peripheral, as open drain.
     pub connected: bool,
-    /// Somebody holds the data line down.
+    /// The data line is held low by a chip or a fault.
     pub data_held: bool,
-    /// Somebody holds the clock down.
+    /// The clock line is held low.
     pub clock_held: bool,
 }
 
-/// What is on them now.
+/// State of the transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum State {
     Idle,
-    /// Start and address are on the wire until then.
+    /// Start and address are on the wire, until this time, ns.
     Addressing(u64),
-    /// The clock is held down until somebody writes TXDR.
+    /// The clock is held low until TXDR is written.
     WaitsForByte,
     Writing(u8, u64),
     Reading(u64),
-    /// A byte has come, but the one before was not fetched: the clock is held down.
+    /// A byte has arrived before the previous one was read: the clock is held low.
     WaitsForRoom,
-    /// The clock is held down until NBYTES, START or STOP is written.
+    /// The clock is held low until NBYTES, START or STOP is written.
     Complete,
     Stopping(u64),
 }
@@ -55,7 +55,7 @@ impl I2c {
         (counts * prescaler * 1e9 / at.clocks.pclk_hz + SYNC_NS) as u64
     }
 
-    /// When what is on the wire will have gone, ns.
+    /// End of the current element on the wire, ns.
     #[must_use]
     pub fn next_change_ns(&self) -> Option<u64> {
         match self.state {
@@ -67,7 +67,7 @@ impl I2c {
         }
     }
 
-    /// Lets time pass.
+    /// Advances the transfer to the current time.
     pub fn advance(&mut self, wires: Wires, target: &mut dyn Target, at: &At<'_>) {
         if wires.clock_held {
             return;
@@ -81,7 +81,7 @@ impl I2c {
         }
     }
 
-    // In every other state nothing happens by itself.
+    // The other states wait for an access.
     #[allow(clippy::wildcard_enum_match_arm)]
     fn step(&mut self, wires: Wires, target: &mut dyn Target, at: &At<'_>) {
         let now_ns = at.now_ns;
@@ -151,7 +151,7 @@ impl I2c {
         }
     }
 
-    /// All bytes of NBYTES have gone.
+    /// Handles the end of all bytes of NBYTES.
     fn part_done(&mut self, now_ns: u64, at: &At<'_>) {
         if self.cr2 & (RELOAD | AUTOEND) == AUTOEND || self.cr2 & STOP != 0 {
             self.state = State::Stopping(now_ns + 2 * self.bit_ns(at));
@@ -161,14 +161,14 @@ impl I2c {
         }
     }
 
-    /// Nobody acknowledged: the stop comes by itself.
+    /// Handles a missing acknowledge, after which the peripheral sends a stop.
     fn refused(&mut self, now_ns: u64, at: &At<'_>) {
         self.flags |= NACKF;
         self.waiting = None;
         self.state = State::Stopping(now_ns + 2 * self.bit_ns(at));
     }
 
-    /// What is on the wire is not what was sent.
+    /// Handles a level on the wire other than the one sent (arbitration lost).
     fn lose(&mut self) {
         self.flags |= ARLO;
         self.cr2 &= !(START | STOP);
@@ -176,7 +176,7 @@ impl I2c {
         self.state = State::Idle;
     }
 
-    /// The start of a transfer.
+    /// Starts a transfer.
     pub(super) fn begin(&mut self, wires: Wires, at: &mut At<'_>) {
         if !wires.connected {
             at.breach("I2C1: its pins are not given to it as open drain");

@@ -1,4 +1,4 @@
-//! The card as its specification has it.
+//! Tests of the card against its specification.
 
 use super::*;
 use crate::rules::Rules;
@@ -38,7 +38,7 @@ impl Host {
         }
     }
 
-    /// The response to a command; `None`: nothing comes.
+    /// The response to a command; `None`: no response.
     fn command(&mut self, index: u8, argument: u32) -> Option<u8> {
         let mut bytes = vec![0x40 | index];
         bytes.extend(argument.to_be_bytes());

@@ -1,8 +1,8 @@
-//! Blocks and checksums as they go over the wire.
+//! Blocks and checksums in the form sent over the wire.
 
 use super::START_BLOCK;
 
-/// A block of data as it goes over the wire.
+/// A data block with start token and checksum.
 pub(super) fn framed(bytes: &[u8]) -> Vec<u8> {
     let sum = crc16(bytes).to_be_bytes();
     [START_BLOCK].iter().chain(bytes).chain(&sum).copied().collect()

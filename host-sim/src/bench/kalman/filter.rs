@@ -1,4 +1,4 @@
-//! The filter's state, and how it moves in either mode.
+//! State of the filter, and its prediction in both modes.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -15,7 +15,7 @@ pub(super) const STATIC: usize = 5;
 pub(super) type Vector = SVector<f64, STATES>;
 pub(super) type Matrix = SMatrix<f64, STATES, STATES>;
 
-/// Before the first slip: `omega`, rad/s, and its relative uncertainty.
+/// `omega` before the first slip, rad/s, and its relative uncertainty.
 const OMEGA_GUESS: (f64, f64) = (18.0, 0.4);
 
 /// State and covariance.
@@ -26,7 +26,7 @@ pub(super) struct Filter {
 }
 
 impl Filter {
-    /// Before the first sample.
+    /// State before the first sample.
     pub fn new(setup: &Setup) -> Self {
         let omega = OMEGA_GUESS.0 / setup.rate_hz;
         let x = Vector::from([0.0, 0.0, 0.0, 0.0, omega, 0.0]);
@@ -37,7 +37,7 @@ impl Filter {
         filter
     }
 
-    /// Moves on by `motion`, linearized by central differences.
+    /// Predicts by `motion`, linearized by central differences.
     pub fn predict(&mut self, motion: impl Fn(&Vector) -> Vector) {
         let mut jacobian = Matrix::zeros();
         for i in 0..STATES {
@@ -50,7 +50,7 @@ impl Filter {
         self.p = jacobian * self.p * jacobian.transpose();
     }
 
-    /// Moves on while the block rests: that motion is linear.
+    /// Predicts at rest, which is linear.
     pub fn rest(&mut self, periods: f64) {
         self.x = rest(&self.x, periods);
         let mut p = self.p;
@@ -64,7 +64,7 @@ impl Filter {
         self.p = p;
     }
 
-    /// Innovation and its variance without the sample's own noise.
+    /// Innovation, and its variance without the noise of the sample.
     pub fn innovation(&self, force_n: f64) -> (f64, f64) {
         (force_n - self.x[FORCE], self.p[(FORCE, FORCE)])
     }
@@ -82,7 +82,7 @@ impl Filter {
     }
 }
 
-/// The block rests for a time.
+/// State after a time at rest.
 pub(super) fn rest(x: &Vector, periods: f64) -> Vector {
     let mut next = *x;
     next[FORCE] += x[LOADING] * periods;
@@ -90,7 +90,7 @@ pub(super) fn rest(x: &Vector, periods: f64) -> Vector {
     next
 }
 
-/// Time until a sliding block stops.
+/// Time until a sliding block stops, periods.
 fn time_to_stop(x: &Vector) -> f64 {
     let (across, along) = (x[FORCE] - x[CENTRE], x[RATE] / x[OMEGA]);
     let angle = (-along).atan2(across);
@@ -99,7 +99,7 @@ fn time_to_stop(x: &Vector) -> f64 {
     (std::f64::consts::PI + sine.asin() - angle) / x[OMEGA]
 }
 
-/// The block slides for a time, and rests from where it stops.
+/// State after a time of sliding, and of rest after the stop.
 pub(super) fn slide(x: &Vector, periods: f64) -> Vector {
     let moving = periods.min(time_to_stop(x).max(0.0));
     let (sin, cos) = (x[OMEGA] * moving).sin_cos();
@@ -110,7 +110,7 @@ pub(super) fn slide(x: &Vector, periods: f64) -> Vector {
     if moving < periods { rest(&next, periods - moving) } else { next }
 }
 
-/// The block rests, starts to slip at `onset` and slides.
+/// State after rest, an onset at `onset`, and sliding.
 pub(super) fn moved(x: &Vector, onset: f64, periods: f64) -> Vector {
     if onset >= periods {
         return rest(x, periods);
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn a_slip_ends_where_the_model_ends_it() {
-        // Fe = 2 Fp - Fs after 2.767 periods, then the stick line.
+        // The stop is at Fe = 2 Fp - Fs after 2.767 periods; then the stick line follows.
         let x = Vector::from([781.2, 22.5, 22.5, 491.4, 1.1828, 781.2]);
         let stop = time_to_stop(&x);
         assert!((stop / 16.0 - 0.173).abs() < 0.001);

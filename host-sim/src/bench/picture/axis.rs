@@ -10,7 +10,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// From `start` to `end`, with room for all values, in half decades.
+    /// An axis from `start` to `end` that contains all values and ends at half decades.
     pub(super) fn around(values: &[f64], start: f64, end: f64) -> Self {
         let logs = || values.iter().filter(|v| **v > 0.0).map(|v| v.log10());
         let low = logs().fold(0.0, f64::min) - 0.2;
@@ -33,7 +33,7 @@ impl Axis {
     }
 }
 
-/// A power of ten as a person writes it.
+/// Short text of a power of ten.
 pub(super) fn short_power(value: f64) -> String {
     if value >= 1e4 { format!("{}k", value / 1e3) } else { format!("{value}") }
 }

@@ -1,8 +1,8 @@
-//! Shapes and words as SVG.
+//! Shapes and text as SVG.
 
 use std::fmt::Write;
 
-/// A rectangle that text or a mark takes: left, top, right, bottom.
+/// A rectangle: left, top, right, bottom.
 pub(super) type Area = (f64, f64, f64, f64);
 
 pub(super) fn text(out: &mut String, class: &str, (x, y): (f64, f64), words: &str) {
@@ -30,7 +30,7 @@ pub(super) fn circle(out: &mut String, colour: &str, (x, y): (f64, f64), radius:
     );
 }
 
-/// Area that two rectangles share.
+/// Area shared by two rectangles.
 pub(super) fn overlap(a: &Area, b: &Area) -> f64 {
     let width = (a.2.min(b.2) - a.0.max(b.0)).max(0.0);
     let height = (a.3.min(b.3) - a.1.max(b.1)).max(0.0);

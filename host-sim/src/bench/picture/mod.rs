@@ -1,9 +1,9 @@
-//! Speed against error as a picture, SVG.
+//! Speed against error as an SVG picture.
 //!
-//! One column for each coefficient, both axes logarithmic: time per sample to the right,
-//! error upwards. Rows: the linear scenes over the Cramér-Rao bound, then in percent of the
-//! coefficient, then the hard scenes in percent. A small dot is one scene, a large mark the
-//! median of a method.
+//! One column per coefficient, both axes logarithmic: time per sample to the right, error upwards.
+//! The rows are linear scenes relative to the Cramér-Rao bound, linear scenes in percent of the
+//! coefficient, and hard scenes in percent. A small dot is one scene, a large mark is the median of
+//! a method.
 
 mod axis;
 mod draw;
@@ -22,7 +22,7 @@ const HEIGHT: f64 = 1272.0;
 /// Left edges of the columns, upper edges of the rows.
 const LEFT: [f64; 2] = [84.0, 584.0];
 const TOP: [f64; 3] = [72.0, 448.0, 824.0];
-/// Colours that the colour-blind tell apart too (Okabe and Ito), ours last.
+/// Colours that colour-blind readers can distinguish (Okabe and Ito); the last one is Floe's.
 const COLOURS: [&str; 6] = ["#6b6b6b", "#b87b00", "#00805c", "#0072b2", "#a6508a", "#d1430a"];
 
 const STYLE: &str = "text{font:14px system-ui,'Segoe UI',Helvetica,Arial,sans-serif;fill:#222}\
@@ -33,13 +33,13 @@ const STYLE: &str = "text{font:14px system-ui,'Segoe UI',Helvetica,Arial,sans-se
 .limit{stroke:#222;stroke-width:1.4;stroke-dasharray:6 4;fill:none}.below{fill:#eef5ea}\
 .left{fill:#f1f1f1}";
 
-/// An error of a method in a scene.
+/// Selects an error of a method in a scene.
 type Of = fn(&Errors) -> Option<f64>;
 
-/// A coefficient of a row.
+/// Selects a coefficient of a row.
 type Coefficient = fn(&Row) -> Option<Errors>;
 
-/// A row of panels: what its scenes and errors are.
+/// A row of panels: its scenes and errors.
 struct Kind {
     title: &'static str,
     axis: &'static str,
@@ -90,7 +90,7 @@ pub fn svg(result: &BenchResult) -> String {
     out
 }
 
-/// All of them on one axis of time, and those in percent on one of errors.
+/// All panels, with a common time axis and a common error axis per unit.
 fn panels(result: &BenchResult) -> Vec<Panel<'_>> {
     let coefficients: [(&str, Coefficient); 2] =
         [("Static coefficient mu_s", |row| row.mu_s), ("Dynamic coefficient mu", |row| row.mu)];
@@ -113,7 +113,7 @@ fn panels(result: &BenchResult) -> Vec<Panel<'_>> {
     panels
 }
 
-/// Those of both coefficients in all panels with the same unit.
+/// Errors of both coefficients in all panels with the same unit.
 fn errors(result: &BenchResult, in_bounds: bool) -> Vec<f64> {
     let kinds = KINDS.iter().filter(|kind| kind.in_bounds == in_bounds);
     let own = kinds.flat_map(|kind| {
@@ -169,7 +169,7 @@ fn legend(out: &mut String, result: &BenchResult) {
     text(out, "note", (LEFT[0], y + 56.0), &board(result));
 }
 
-/// What floe takes on the board, where it was counted.
+/// Text with Floe's cost on the board, if it was counted.
 fn board(result: &BenchResult) -> String {
     let median = |linear: bool| {
         let own = result.rows.iter().filter(|row| row.linear == linear);

@@ -1,4 +1,4 @@
-//! One panel: a coefficient in one kind of scenes.
+//! A panel: one coefficient in one kind of scenes.
 
 use std::fmt::Write;
 
@@ -8,34 +8,34 @@ use super::draw::{Area, circle, line, overlap, rectangle, text};
 
 /// Width and height.
 pub(super) const PANEL: (f64, f64) = (436.0, 300.0);
-/// Height of a line of text and mean width of a letter of the labels.
+/// Height of a line of text, and mean width of a letter, in labels.
 const LETTER: (f64, f64) = (15.0, 8.2);
 
-/// One method in one panel.
+/// Data of one method in one panel.
 #[derive(Clone, Debug)]
 pub(super) struct Series<'a> {
     pub(super) name: &'a str,
     pub(super) colour: &'static str,
-    /// Time, ns, and error, one for each scene.
+    /// Time, ns, and error of each scene.
     pub(super) points: Vec<(f64, f64)>,
-    /// Medians of both.
+    /// Medians of time and error.
     pub(super) centre: (f64, f64),
 }
 
-/// What is drawn and where.
+/// Content and axes of a panel.
 #[derive(Clone, Debug)]
 pub(super) struct Panel<'a> {
     pub(super) title: String,
     pub(super) series: Vec<Series<'a>>,
     pub(super) x: Axis,
     pub(super) y: Axis,
-    /// Whether errors are in bounds, so that 1 is a limit.
+    /// Whether errors are relative to the bound, so that 1 is a limit.
     pub(super) in_bounds: bool,
-    /// Time to look at each sample once, ns.
+    /// Time to read each sample once, ns.
     pub(super) one_pass_ns: f64,
 }
 
-/// Draws it.
+/// Draws a panel.
 pub(super) fn draw(out: &mut String, panel: &Panel) {
     let Panel { title, x, y, in_bounds, one_pass_ns, .. } = panel;
     let (left, right, top, bottom) = (x.ends.0, x.ends.1, y.ends.1, y.ends.0);
@@ -66,7 +66,7 @@ pub(super) fn draw(out: &mut String, panel: &Panel) {
     labels(out, &panel.series, *x, *y, &mut taken);
 }
 
-/// Says what the upright dashed line is; returns the area of it and the words.
+/// Labels the vertical dashed line; returns the area of the line and the label.
 fn pass_label(out: &mut String, pass: f64, (left, top): (f64, f64)) -> Area {
     let at = (left + 14.0, top + 8.0);
     let turned = format!("rotate(-90 {0:.1} {1:.1})", at.0, at.1);
@@ -94,7 +94,7 @@ fn marks(out: &mut String, series: &[Series], x: Axis, y: Axis, taken: &mut Vec<
     }
 }
 
-/// Names the methods: each label near its mark, where it covers least of what is there.
+/// Labels the methods near their marks, where a label covers least.
 fn labels(out: &mut String, series: &[Series], x: Axis, y: Axis, taken: &mut Vec<Area>) {
     for s in series {
         let label = format!("{}: {}", s.name, short(s.centre.1));
@@ -104,7 +104,7 @@ fn labels(out: &mut String, series: &[Series], x: Axis, y: Axis, taken: &mut Vec
             let left = (cx + dx).clamp(x.ends.0 + 4.0, x.ends.1 - width - 4.0);
             (left, cy + dy - 0.8 * LETTER.0, left + width, cy + dy + 0.2 * LETTER.0)
         };
-        // Far from its mark a label is read for another one.
+        // A distant label would be read as that of another mark.
         let distance = |area: &Area| 3.0 * (0.5 * (area.1 + area.3) - cy).abs();
         let side = -width - 13.0;
         let rows = [4.5, -14.0, 23.0, -32.0, 41.0, -50.0, 59.0];

@@ -1,5 +1,5 @@
-//! What may be written: before any work an output is refused that is an input or another
-//! output, by whatever path or link, or a file that is no older result.
+//! Checks outputs before any work. An output is rejected if it is an input or another output, on
+//! any path or link, or a file that is not an older result.
 
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
@@ -9,13 +9,13 @@ use crate::error::InputError;
 
 use super::{directory, say, theirs};
 
-/// Outputs that were there before, and as what.
+/// Outputs that exist already, with their kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[must_use = "what is replaced is said"]
 pub struct Older(Vec<(PathBuf, &'static str)>);
 
 impl Older {
-    /// Says, once all is written, that they have been replaced.
+    /// Reports the replaced files, after all is written.
     pub fn tell(&self) {
         for (path, what) in &self.0 {
             say(&format!("{}: the {what} that was there has been replaced", path.display()));
@@ -23,27 +23,28 @@ impl Older {
     }
 }
 
-/// Refuses outputs that cannot be written, or that are one of `inputs`, standard input
-/// or output, each other, or a file that is none of floe's. Gives those that are there already.
+/// Rejects outputs that cannot be written, that are one of `inputs`, standard input or output, or
+/// each other, or that are files of other programs. Returns the existing ones.
 ///
 /// # Errors
-/// Names the first such output and what is wrong with it.
+/// The first such output, with the reason.
 pub fn check(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
     let older = apart(outputs, inputs)?;
     outputs.iter().try_for_each(|path| theirs::refuse(path)).map(|()| older)
 }
 
-/// The same of a log and of what is written beside it: it may replace a simulated log only.
+/// Checks a simulated log and the outputs next to it, as [`check`] does; the log may replace a
+/// simulated log only.
 ///
 /// # Errors
-/// As [`check`].
+/// The first output that is rejected, with the reason.
 pub fn check_log(log: &Path, beside: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
     let older = apart(&[&[log], beside].concat(), inputs)?;
     theirs::refuse_but_simulated(log)?;
     beside.iter().try_for_each(|path| theirs::refuse(path)).map(|()| older)
 }
 
-/// Refuses outputs that cannot be written, or are read or written already.
+/// Rejects outputs that cannot be written, or are read or written already.
 fn apart(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
     let standard = ["/dev/stdin", "/dev/stdout"].map(Path::new);
     let taken = inputs.iter().copied().chain(standard);
@@ -72,7 +73,7 @@ fn refuse(path: &Path, why: &str) -> Result<(), InputError> {
     Err(InputError::new(why).within(path.display()))
 }
 
-/// What would be replaced, if anything is there.
+/// Kind of an existing file that would be replaced.
 fn kind(path: &Path) -> Option<&'static str> {
     match path.exists() {
         true => path.is_file().then_some("file"),
@@ -80,10 +81,10 @@ fn kind(path: &Path) -> Option<&'static str> {
     }
 }
 
-/// Refuses `-` for an output that is a file or a folder.
+/// Rejects `-` for an output that is a file or a folder.
 ///
 /// # Errors
-/// It is `-`.
+/// The path is `-`.
 pub fn refuse_standard(path: &Path) -> Result<(), InputError> {
     if path != Path::new(STANDARD) {
         return Ok(());
@@ -93,10 +94,11 @@ pub fn refuse_standard(path: &Path) -> Result<(), InputError> {
     ))
 }
 
-/// Refuses a folder that cannot be made, or that would be made where one of `outputs` is.
+/// Rejects a folder that cannot be created, or that would be created at the path of one of
+/// `outputs`.
 ///
 /// # Errors
-/// Says what is in its place.
+/// The file or output at that path.
 pub fn check_folder(folder: &Path, outputs: &[&Path]) -> Result<(), InputError> {
     refuse_standard(folder)?;
     if folder.is_file() {
@@ -112,18 +114,18 @@ pub fn check_folder(folder: &Path, outputs: &[&Path]) -> Result<(), InputError> 
     Ok(())
 }
 
-/// What makes a file the same by any path.
+/// Identity of a file, on any path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Identity {
-    /// An existing file: its file system and its number there.
+    /// An existing file: numbers of its file system and in it.
     #[cfg(unix)]
     Node(u64, u64),
-    /// A file that is not there yet, or one of a system without such numbers.
+    /// A file that does not exist yet, or on a system without such numbers.
     Place(PathBuf),
 }
 
 impl Identity {
-    /// `None` for what several may write at once: a terminal, `/dev/null`.
+    /// `None` for files that several may write at once: a terminal, `/dev/null`.
     fn of(path: &Path) -> Option<Self> {
         match fs::metadata(path) {
             Ok(there) => Self::of_existing(path, &there),

@@ -1,4 +1,4 @@
-//! Files that are there already and that no output may replace: all but floe's own.
+//! Existing files that no output may replace: all except Floe's own.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::sim::write::SYNTHETIC;
 
-/// How results begin: JSON, events, samples, extensions, reports, figures.
+/// Beginnings of results: JSON, events, samples, extensions, reports, figures.
 const RESULTS: [&str; 6] = [
     "{\n  \"schema\": \"floe-",
     "index,onset_s,stop_s,",
@@ -17,24 +17,24 @@ const RESULTS: [&str; 6] = [
     "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot ",
 ];
 
-/// How a Parquet table begins, and what floe's say of themselves at their end.
+/// Beginning of a Parquet table, and the text near the end of Floe's.
 const PARQUET: (&[u8], &[u8]) = (b"PAR1", b"floe.version");
 
-/// Bytes of the beginning, and of the end, that are looked at.
+/// Bytes examined at the beginning and at the end.
 const LOOK: u64 = 4096;
 
-/// Refuses to replace a file by a result, unless it is empty or an older result.
+/// Rejects replacing a file by a result, unless it is empty or an older result.
 ///
 /// # Errors
-/// It is anything else: a log, say, that a shell's `*.csv` named as the output.
+/// The file is another one, for example a log that a shell's `*.csv` names as the output.
 pub fn refuse(path: &Path) -> Result<(), InputError> {
     unless(path, is_result, "is there already and is no result of floe")
 }
 
-/// Refuses to replace a file by a simulated log, unless it is empty or one itself.
+/// Rejects replacing a file by a simulated log, unless it is empty or a simulated log.
 ///
 /// # Errors
-/// It is anything else, or one that does not say it: a CR10's form has no place for it.
+/// The file is another one, or a simulated log without a mark: the CR10's form has no place for it.
 pub fn refuse_but_simulated(path: &Path) -> Result<(), InputError> {
     let why = "is there already and does not begin with '# SYNTHETIC:', as simulated logs do";
     unless(path, |start, _| start.starts_with(SYNTHETIC.as_bytes()), why)
@@ -45,7 +45,7 @@ fn unless(path: &Path, own: fn(&[u8], &[u8]) -> bool, why: &str) -> Result<(), I
     if !path.is_file() {
         return Ok(());
     }
-    // What cannot be read may be anything.
+    // A file that cannot be read is rejected, because its contents are unknown.
     if ends(path).is_ok_and(|(start, end)| start.is_empty() || own(&start, &end)) {
         return Ok(());
     }

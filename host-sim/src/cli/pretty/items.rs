@@ -1,4 +1,4 @@
-//! What stands between two brackets: one value a line, indented by its depth.
+//! Items between two brackets: one value per line, indented by its depth.
 
 use std::io::{self, Write};
 
@@ -6,11 +6,11 @@ use serde::ser::{self, Serialize};
 
 use super::{Done, Failure, Pretty};
 
-/// What comes before a value, and room for the indentation.
+/// Separator before a value with indentation, and the indentation of one level.
 const LINE: &[u8] = b",\n                        ";
 const INDENT: &[u8] = b"  ";
 
-/// Writes what is between two brackets.
+/// Writes the items between two brackets.
 #[derive(Debug)]
 pub struct Items<'a, W> {
     out: &'a mut W,
@@ -20,7 +20,7 @@ pub struct Items<'a, W> {
 }
 
 impl<'a, W: Write> Items<'a, W> {
-    /// None yet, at a depth, before a closing bracket.
+    /// Starts without items, at a depth, with the closing bracket.
     pub(super) fn new(out: &'a mut W, depth: usize, bracket: u8) -> Self {
         Self { out, depth, is_empty: true, bracket }
     }
@@ -80,7 +80,7 @@ impl<W: Write> ser::SerializeMap for Items<'_, W> {
     type Ok = ();
     type Error = Failure;
 
-    /// A text.
+    /// Writes a key, which is a text.
     fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Done {
         self.item(key)
     }

@@ -1,6 +1,6 @@
-//! JSON in `serde_json`'s pretty form, byte for byte. A long list of events consists of little
-//! but line breaks and the names of fields: they are written at once, and a name that stands in
-//! the program is not searched for what JSON has to escape.
+//! JSON equal to `serde_json`'s pretty form, byte for byte. Most bytes of a long list of events are
+//! line breaks and names of fields; they are written in one piece, and names in the program are not
+//! searched for characters that JSON must escape.
 
 mod items;
 
@@ -19,7 +19,7 @@ pub struct Pretty<'a, W> {
     depth: usize,
 }
 
-/// Writing failed, with the cause as it was.
+/// Error of writing, with its original cause.
 #[derive(Debug)]
 pub struct Failure(pub io::Error);
 
@@ -52,7 +52,7 @@ impl From<serde_json::Error> for Failure {
 }
 
 impl<'a, W: Write> Pretty<'a, W> {
-    /// The outermost value.
+    /// Starts at the outermost value.
     pub fn new(out: &'a mut W) -> Self {
         Self { out, depth: 0 }
     }
@@ -154,7 +154,7 @@ impl<'a, W: Write> Serializer for Pretty<'a, W> {
         self.open(*b"{}")
     }
 
-    /// No result has one.
+    /// Results contain no such value.
     fn serialize_tuple_variant(
         self,
         _: &'static str,
@@ -165,7 +165,7 @@ impl<'a, W: Write> Serializer for Pretty<'a, W> {
         Err(ser::Error::custom(name))
     }
 
-    /// No result has one.
+    /// Results contain no such value.
     fn serialize_struct_variant(
         self,
         _: &'static str,

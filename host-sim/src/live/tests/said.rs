@@ -1,4 +1,4 @@
-//! What the board's lines lead to, and what is said of it.
+//! Effects of the board's lines, and the messages on them.
 
 use floe_core::Effect;
 
@@ -19,11 +19,11 @@ fn a_damaged_line_is_counted_and_changes_nothing() {
     let text_now = verdict(&state, seconds(16.0)).text;
     assert!(text_now.contains("damaged lines: bad cable"), "{text_now}");
     assert!(screen_rows(&state, (100, 24), 16.0)[12].contains("damaged lines"));
-    // The end of a line that began before the port was opened is no damage.
+    // The end of a line that began before the port was opened is not counted as damage.
     let damaged = state.damaged;
     state.take(&Received { text: "0.5,good,stick,0*1234".to_string(), cut: true }, seconds(16.0));
     assert_eq!(state.damaged, damaged);
-    // A whole line of a kind that does not exist yet is neither.
+    // A complete line of an unknown kind is no damage either.
     let unknown = "B,12.6*E02B";
     state.take(&Received { text: unknown.to_string(), cut: false }, seconds(16.0));
     assert_eq!((state.damaged, state.unknown), (damaged, 1));
@@ -81,13 +81,13 @@ fn silence_and_a_port_that_goes_away_and_comes_back() {
     state.down("closed".to_string());
     let away = "NO PORT (closed): check cable and power; trying again";
     assert_eq!(verdict(&state, seconds(31.0)), bad(away));
-    // The last result stays to be read, the force does not.
+    // The last result stays visible, the force does not.
     let rows = screen_rows(&state, (40, 6), 31.0);
     assert_eq!(rows[2], "force, N       ---");
     assert_eq!(rows[3], "mu_s, mean  1.2406 ± 0.0056 (7 events)");
     state.up(seconds(40.0));
     assert_eq!(verdict(&state, seconds(40.1)).text, "asking the board");
-    // Meanwhile the board was switched on anew: no test, nothing set.
+    // The board was restarted meanwhile: no test, no settings.
     say(&mut state, &settings(0, 0.0), 40.2);
     say(&mut state, &Line::Health(Health::default()), 40.2);
     assert_eq!(
@@ -111,7 +111,7 @@ fn tests_begin_and_end() {
     say(&mut state, &Line::Sample(sample(0, 1.0, Phase::Unknown)), 16.1);
     assert_eq!(verdict(&state, seconds(16.2)).text, "measuring; waiting for the first slip");
     assert_eq!(band(&state, seconds(16.2)).0, "LEARNING");
-    // If the settings were not heard, the index tells.
+    // Without the settings' line the index shows the new test.
     let mut state = measuring();
     say(&mut state, &Line::Sample(sample(0, 1.0, Phase::Unknown)), 16.0);
     assert_eq!((state.event, state.trace.len()), (None, 1));
@@ -149,7 +149,7 @@ fn a_first_answer_is_shown_until_its_event_comes() {
     let shown = frame(&state, &Ask::default(), (80, 24), 15.0);
     assert!(shown[(0, 11)].modifier.contains(Modifier::DIM));
     assert!(!shown[(0, 10)].modifier.contains(Modifier::DIM));
-    // The event of the slip before comes later than that; its own ends it.
+    // The event of the previous slip comes later than the answer; the slip's own event ends it.
     let with_stop = |index, sample| {
         let stop = SampleTime { index: sample, fraction: 0.1 };
         Line::Event(Event { index, stop, ..event() })
@@ -158,7 +158,7 @@ fn a_first_answer_is_shown_until_its_event_comes() {
     assert_eq!(row(&state), both);
     say(&mut state, &with_stop(7, 236), 15.0);
     assert_eq!((row(&state).as_str(), state.about), ("", None));
-    // A new test knows nothing of it.
+    // A new test discards the answer.
     say(&mut state, &about(237, None), 15.0);
     say(&mut state, &settings(4, 630.0), 15.0);
     assert_eq!(state.about, None);
@@ -216,7 +216,7 @@ fn the_effects_that_the_test_shows_are_named() {
     let found = Effects::NONE.with(Effect::Ripple, true).with(Effect::Corner, true);
     say(&mut state, &Line::Report(Report { found, ..report() }), 15.0);
     assert!(told(&state).contains("23.0 kN/m   shows corner, ripple"), "{}", told(&state));
-    // A board without a mean has none to correct.
+    // Without a mean there is nothing to correct.
     let refused = Report { mu_s: None, mu: None, found, ..report() };
     say(&mut state, &Line::Report(refused), 15.0);
     assert!(!told(&state).contains("shows"));

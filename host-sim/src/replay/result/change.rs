@@ -8,16 +8,16 @@ use super::numbers::short;
 /// A change of the block or of its friction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChangeSummary {
-    /// Index of the first event after it.
+    /// Index of the first event after the change.
     pub event: u32,
     /// Onset of that event, in the log's own time.
     pub onset_s: f64,
     /// `mass`, `friction` or `unknown`.
     pub cause: &'static str,
-    /// Weight that the coefficients from there on are computed with, over the given one.
+    /// Weight for the coefficients from that event on, over the given weight.
     #[serde(with = "short")]
     pub weight_ratio: f64,
-    /// One standard deviation; it is in the coefficients' own.
+    /// One standard deviation of the ratio; the coefficients' own standard deviations include it.
     #[serde(with = "short")]
     pub weight_ratio_std: f64,
 }
@@ -39,7 +39,7 @@ impl ChangeSummary {
         }
     }
 
-    /// One sentence for a person; the weight is the given one.
+    /// One sentence for a person; `weight_n`: the given weight.
     #[must_use]
     pub fn sentence(&self, weight_n: f64) -> String {
         let weight = weight_n * self.weight_ratio;

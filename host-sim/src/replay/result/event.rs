@@ -57,22 +57,22 @@ pub struct EventSummary {
     pub quality: String,
     /// Why a coefficient is missing.
     pub reason: Option<String>,
-    /// The systematic part of `mu_s`: what is the same in all events.
+    /// Systematic standard deviation of `mu_s`: the part common to all events.
     #[serde(with = "short_or_null")]
     pub mu_s_systematic_std: Option<f64>,
-    /// That of `mu`.
+    /// Systematic standard deviation of `mu`.
     #[serde(with = "short_or_null")]
     pub mu_systematic_std: Option<f64>,
-    /// Both parts together.
+    /// Random and systematic part of `mu_s` combined.
     #[serde(with = "short_or_null")]
     pub mu_s_combined_std: Option<f64>,
-    /// Both parts together.
+    /// Random and systematic part of `mu` combined.
     #[serde(with = "short_or_null")]
     pub mu_combined_std: Option<f64>,
-    /// The 95 % interval.
+    /// The 95 % interval of `mu_s`.
     #[serde(with = "short_pair")]
     pub mu_s_ci95: Option<[f64; 2]>,
-    /// The 95 % interval.
+    /// The 95 % interval of `mu`.
     #[serde(with = "short_pair")]
     pub mu_ci95: Option<[f64; 2]>,
     /// How far the block slid, m.
@@ -83,10 +83,10 @@ pub struct EventSummary {
     pub energy_j: Option<f64>,
     /// When the slip began, ISO 8601 (UTC) to the millisecond; `null` when the log has no date.
     pub onset_time: Option<String>,
-    /// One standard deviation of the slip length, all that is known of it.
+    /// One standard deviation of the slip length, random and systematic part combined.
     #[serde(with = "short_or_null")]
     pub slip_length_m_std: Option<f64>,
-    /// The same of the energy.
+    /// One standard deviation of the energy, random and systematic part combined.
     #[serde(with = "short_or_null")]
     pub energy_j_std: Option<f64>,
 }
@@ -124,8 +124,8 @@ impl EventSummary {
         }
     }
 
-    /// Puts losses of the cable on an event that has none, and a drift of the zero, a standard deviation
-    /// in units of the coefficients, on those of them that know of less.
+    /// Applies the losses of the cable to an event that has none, and a drift of the zero (a
+    /// standard deviation in units of the coefficients) where the event has a smaller one.
     pub fn put_on(&mut self, losses: Losses, drift_std: f32) {
         let coefficients = losses.put_on([
             coefficient(self.mu_s, self.mu_s_std, self.mu_s_systematic_std),
@@ -144,7 +144,7 @@ impl EventSummary {
         }
     }
 
-    /// Whether there is something to remark.
+    /// Whether the event deserves a remark.
     #[must_use]
     pub fn is_odd(&self) -> bool {
         self.reason.is_some() || self.quality != "good"

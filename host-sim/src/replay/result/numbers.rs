@@ -1,7 +1,7 @@
-//! Numbers that came from the core in JSON: with the digits that an `f32` has, 0.78 and not
-//! 0.7799999713897705, which read back as the same `f32`; what is not finite as `null`.
+//! JSON form of an `f32` of the core: its shortest digits, 0.78 and not 0.7799999713897705, which
+//! read back as the same `f32`; `null` for NaN and infinity.
 
-/// A number that is known.
+/// For a number that is always known.
 pub(in crate::replay) mod short {
     use serde::{Deserialize, Deserializer, Serializer};
 
@@ -19,7 +19,7 @@ pub(in crate::replay) mod short {
     }
 }
 
-/// One that may be unknown.
+/// For a number that may be unknown.
 pub(in crate::replay) mod short_or_null {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -37,7 +37,7 @@ pub(in crate::replay) mod short_or_null {
     }
 }
 
-/// An interval.
+/// For an interval.
 pub(in crate::replay) mod short_pair {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

@@ -181,7 +181,7 @@ fn a_change_is_said() {
     assert!(text.contains(line), "{text}");
 }
 
-/// A test that winds back every minute for hours.
+/// A log with a steady stretch every minute for hours.
 #[test]
 fn the_coefficients_stand_near_the_top_whatever_the_log() {
     let mut result = result(vec![event()]);

@@ -36,7 +36,8 @@ pub(in crate::sim) fn inverse<const N: usize>(matrix: Matrix<N>) -> Option<Matri
         right[i][i] = 1.0;
     }
     for i in 0..N {
-        // Pivots are what the unknowns before leave: no exchange is needed.
+        // The pivots are Schur complements of a positive definite matrix: no row exchange is
+        // needed.
         let pivot = left[i][i];
         if pivot < 1e-13 {
             return None;

@@ -8,7 +8,7 @@ use super::{DYNAMIC, ForceBound, LinearEvent, OMEGA, RATE, STATIC, UNKNOWNS};
 /// An event whose block stops on a slack cable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlackEvent {
-    /// Up to the slack; its re-stick does not happen.
+    /// The event up to the slack; its re-stick does not happen.
     pub taut: LinearEvent,
     /// Mass of the block, kg.
     pub mass_kg: f64,
@@ -33,7 +33,7 @@ impl SlackEvent {
         Some((starts_s, starts_s + lasts_s))
     }
 
-    /// The event with one unknown moved.
+    /// The event with one unknown changed.
     fn moved(mut self, unknown: usize, by: f64) -> Self {
         let taut = &mut self.taut;
         match unknown {
@@ -46,8 +46,8 @@ impl SlackEvent {
         self
     }
 
-    /// Derivatives of the time at which the force rises again, by central
-    /// differences: of seconds after the onset, which does not depend on it.
+    /// Derivatives of the time, in seconds after the onset, at which the force rises again, by
+    /// central differences; the onset time itself has no effect on it.
     fn rise_gradient(&self) -> Option<[f64; UNKNOWNS]> {
         let e = &self.taut;
         let scales =
@@ -61,7 +61,7 @@ impl SlackEvent {
         Some(gradient)
     }
 
-    /// Derivatives of the force at times by the five unknowns.
+    /// Partial derivatives of the force at times with respect to the five unknowns.
     pub(super) fn gradients(
         &self,
         times_s: impl Iterator<Item = f64>,
@@ -87,7 +87,8 @@ impl SlackEvent {
         }))
     }
 
-    /// As [`LinearEvent::bound`].
+    /// The bound for samples at `times_s` with white noise of `noise_n`; see
+    /// [`LinearEvent::bound`].
     #[must_use]
     pub fn bound(&self, times_s: impl Iterator<Item = f64>, noise_n: f64) -> Option<ForceBound> {
         Some(ForceBound::new(&inverse(fisher(self.gradients(times_s)?))?, noise_n))

@@ -1,4 +1,4 @@
-//! Bounds against differences of the model, and against its published figures.
+//! Bounds compared with differences of the model and with published figures.
 
 use super::*;
 
@@ -40,8 +40,8 @@ fn mean_bounds(event: LinearEvent) -> (f64, f64, f64) {
     (root(squares.0), root(squares.1), root(known))
 }
 
-/// The model of the header on its own, by the unknowns in their order; with
-/// a mass, of a block that stops on a slack cable.
+/// The model of the module's head, coded separately, as a function of the unknowns in their order;
+/// with a mass, for a block that stops on a slack cable.
 fn force_n(unknowns: &[f64; 5], mass_kg: Option<f64>, time_s: f64) -> f64 {
     let [onset_s, rate, fs, fp, omega] = *unknowns;
     let t = time_s - onset_s;
@@ -58,7 +58,7 @@ fn force_n(unknowns: &[f64; 5], mass_kg: Option<f64>, time_s: f64) -> f64 {
             rest_n
         };
     };
-    // Where the force is zero, by bisection up to its lowest point.
+    // Zero of the force, by bisection up to its lowest point.
     let (mut low, mut high) = (0.0, PI / omega);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);

@@ -1,9 +1,9 @@
-//! Which terms of a scene are on.
+//! Names of the terms of a scene that are on.
 
 use super::{Measurement, Scene};
 
 impl Scene {
-    /// The terms beyond the linear block on level ice that are on, by name.
+    /// Names of the terms that are on, beyond the linear block on level ice.
     #[must_use]
     pub fn terms(&self) -> Vec<&'static str> {
         let all = self.of_motion().into_iter().chain(of_measurement(&self.measurement));

@@ -1,20 +1,20 @@
-//! What a scene must satisfy before it is computed.
+//! Checks of a scene before it is computed.
 
 use super::{Scene, SceneError, WinchProfile};
 use crate::sim::check::{above_zero, between, not_negative, positive, require};
 
-/// Forces, stiffnesses and lengths beyond it are a slip of the pen.
+/// Largest force, stiffness or length; a larger one is a typing error.
 const LARGEST: f64 = 1e12;
-/// Samples of a scene: two years at 16 Hz.
+/// Most samples of a scene: two years at 16 Hz.
 const MOST_SAMPLES: f64 = 1e9;
-/// Slips of a scene.
+/// Most slips of a scene.
 const MOST_SLIPS: f64 = 1e8;
 
 impl Scene {
     /// Checks every value.
     ///
     /// # Errors
-    /// The first value out of its range, by its name.
+    /// The first value out of its range; the message names it.
     pub fn validate(&self) -> Result<(), SceneError> {
         let one_line = self.test_id.as_deref().is_none_or(|id| !id.contains(char::is_control));
         require(one_line, || "test_id: must be one line of plain text".to_owned())?;
@@ -80,7 +80,7 @@ impl Scene {
         self.winch_profile.as_ref().map_or(Ok(()), WinchProfile::validate)
     }
 
-    /// Laws of the friction and of the cable that do not go together are refused.
+    /// Rejects laws of friction or of the cable that cannot be combined.
     fn validate_laws(&self) -> Result<(), SceneError> {
         self.wander.as_ref().map_or(Ok(()), |w| w.validate())?;
         self.stribeck.as_ref().map_or(Ok(()), |s| s.validate())?;
@@ -104,8 +104,8 @@ impl Scene {
         require(!ripples, || "cable_damping: not with a winch that ripples".to_owned())
     }
 
-    /// The block must rest on the slope by itself: the state machine knows no
-    /// sliding back.
+    /// Checks that the block rests on the slope without the cable: the state machine has no sliding
+    /// back.
     fn validate_friction(&self) -> Result<(), SceneError> {
         let (mu_s, mu) = self.coefficients();
         positive("mu", self.mu)?;
@@ -124,16 +124,16 @@ impl Scene {
         })
     }
 
-    /// How far the winch pulls the block, m.
+    /// Distance that the winch takes up, m.
     fn way_m(&self) -> f64 {
         self.winch_m_per_s * self.duration_s
     }
 
-    /// The block must not run into the winch.
+    /// Checks that the block does not run into the winch.
     fn validate_length(&self) -> Result<(), SceneError> {
         let needs_room = self.shortening || self.sag.is_some();
         let largest_n = (self.weight_n * (self.coefficients().0 + 1.0)).max(self.start_force_n);
-        // A slip is up to twice the stretch long; some more for what varies.
+        // A slip is up to twice as long as the stretch; the rest is a margin for what varies.
         let needed_m = self.way_m() + 3.0 * largest_n / self.stiffness_n_per_m;
         require(!needs_room || needed_m < self.cable_length_m, || {
             format!(
@@ -143,7 +143,7 @@ impl Scene {
         })
     }
 
-    /// It must come to an end, and its log fit a disk.
+    /// Checks that the computation ends and that the log fits on a disk.
     fn validate_work(&self) -> Result<(), SceneError> {
         let samples = self.duration_s * self.rate_hz;
         require(self.sample_count() > 0, || {

@@ -1,11 +1,11 @@
-//! What can happen to the converter, the display and the crystal.
+//! Faults of the converter, the display and the crystal.
 
 use floe::chip::{Schedule, Trouble};
 use floe_board_model::run::{Incident, Setup};
 
 use super::{Bench, Row, at, events, expect, health, row, said, test, typed};
 use crate::Result;
-/// A converter's trouble, in samples of the load cell.
+/// First sample and length of a fault of the converter, in samples of the load cell.
 const FROM: u64 = 160;
 const LENGTH: u64 = 20;
 
@@ -55,7 +55,7 @@ fn converter(bench: &Bench<'_>, trouble: Trouble) -> Result<Row> {
     let noticed = said(&played, "converter at sample")? - first_tick - FROM as f64 / 16.0;
     let health = health(&played)?;
     let bad = u64::from(health.adc_faults);
-    // The ones before and after may be lost too.
+    // The samples before and after may be lost too.
     let good = bad + 1 >= LENGTH && bad <= LENGTH + 2 && health.overruns == 0;
     expect(good, format!("{health:?}"))?;
     let noticed = format!("after {noticed:.2} s, what it did");
@@ -69,7 +69,7 @@ pub(super) fn bus_held(bench: &Bench<'_>) -> Result<Row> {
     let noticed = said(&played, "converter at sample")? - 10.0;
     let health = health(&played)?;
     let bad = health.adc_faults;
-    // 32 samples are held down; the ones before and after may be lost too.
+    // The fault covers 32 samples; those before and after may be lost too.
     expect((30..=36).contains(&bad) && health.overruns == 0, format!("{health:?}"))?;
     Ok(row(format!("after {noticed:.2} s"), format!("{bad} samples"), "with the next sample"))
 }
@@ -100,7 +100,8 @@ pub(super) fn no_display(bench: &Bench<'_>) -> Result<Row> {
 }
 
 pub(super) fn typed_often(bench: &Bench<'_>) -> Result<Row> {
-    // A line of 2.3 ms every 303 ms: each at another place of a tick, in pictures and conversions.
+    // A line of 2.3 ms every 303 ms: at varying times within a period, during pictures and
+    // conversions.
     let script = (0..40).map(|n| {
         typed(3.0 + 0.3 * f64::from(n) + 0.0031 * f64::from(n), "set name A-name-of-16-chr")
     });

@@ -1,4 +1,4 @@
-//! What can happen to the card.
+//! Faults of the card.
 
 use floe_board_model::run::{CardSetup, Incident, Setup};
 
@@ -7,7 +7,7 @@ use crate::Result;
 use crate::emulate::card::Image;
 use crate::emulate::nucleo::card;
 
-/// A card that comes back is written to again within, s.
+/// Longest time until a card that returns is written again, s.
 const CARD_BACK_S: f64 = 5.0;
 /// Sectors of the log's file.
 const LOG_SECTORS: f64 = 196_608.0;
@@ -43,7 +43,7 @@ pub(super) fn pulled(bench: &Bench<'_>) -> Result<Row> {
     let health = health(&played)?;
     expect(health.overruns == 0, format!("{} samples lost", health.overruns))?;
     let kept = image.tests()?.last().map_or(0, |test| test.samples.len());
-    // 27 s of a test, 10 s of them without a card, and half a second at both ends.
+    // 27 s of a test, minus 10 s without a card, with a margin for detection and for both ends.
     expect(kept >= (27 - 10 - 6) * 16, format!("{kept} samples kept"))?;
     let noticed = format!("`no card` after {noticed:.1} s");
     let lost = "0 samples; what was measured meanwhile is not on the card";
@@ -78,7 +78,7 @@ pub(super) fn other_kinds(bench: &Bench<'_>) -> Result<Row> {
         (Image::exfat, "exFAT"),
         (Image::fat12, "FAT12"),
         (Image::empty, "no file system"),
-        // FAT32 without a partition table is as good as any.
+        // FAT32 without a partition table is supported.
         (Image::without_table, "card found"),
     ];
     for (make, words) in kinds {

@@ -1,5 +1,5 @@
-//! Everything that can happen to the user's board, on the image that is flashed: when it
-//! is noticed, what is lost, when all is as before.
+//! Faults of the user's board, on the image that is flashed: time until each is noticed, loss, and
+//! time until normal operation.
 
 mod board;
 mod cards;
@@ -13,33 +13,33 @@ use super::record::{NOISE, RATE_HZ, Record};
 use crate::Result;
 use floe_tests::parallel;
 
-/// First answer on the console after the power comes, s.
+/// Latest first answer on the console after power-up, s.
 const FIRST_WORDS_S: f64 = 1.0;
-/// First sample after the crystal has started, s.
+/// Latest first sample after the start of the crystal, s.
 const FIRST_TICK_S: f64 = 1.0;
-/// The board gives up on a crystal after, s.
+/// Time after which the board gives up on a crystal, s.
 const NO_CRYSTAL_S: f64 = 6.0;
 
-/// What happens, and what has to come of it.
+/// A fault with the checks of its consequences.
 type Case = fn(&Bench<'_>) -> Result<Row>;
 
-/// What a fault costs: the line of a table.
+/// Consequences of a fault: a row of the table.
 struct Row {
     noticed: String,
     lost: String,
     normal: String,
 }
 
-/// What the cases run on.
+/// Shared input of the cases.
 struct Bench<'a> {
     nucleo: &'a Nucleo,
     codes: Vec<i32>,
 }
 
-/// Runs every case; what they print is the table of `docs/reliability.md`.
+/// Runs every case and prints the table of `docs/reliability.md`.
 ///
 /// # Errors
-/// Those that did not go as they have to.
+/// The cases that fail.
 pub fn check_faults(nucleo: &Nucleo) -> Result<()> {
     let (codes, _) = Record::stick_slip().played();
     let bench = Bench { nucleo, codes };
@@ -82,7 +82,7 @@ pub fn check_faults(nucleo: &Nucleo) -> Result<()> {
     if failed.is_empty() { Ok(()) } else { Err(failed.join("\n       ")) }
 }
 
-/// A line of the table.
+/// A row of the table.
 fn row(noticed: impl Into<String>, lost: impl Into<String>, normal: impl Into<String>) -> Row {
     Row { noticed: noticed.into(), lost: lost.into(), normal: normal.into() }
 }
@@ -95,7 +95,7 @@ fn typed(s: f64, line: &str) -> (When, Incident) {
     at(s, Incident::Type(format!("{line}\r\n")))
 }
 
-/// A test from second 3 on.
+/// Script of a test that starts at second 3.
 fn test() -> Vec<(When, Incident)> {
     vec![typed(2.9, "set weight 630"), typed(3.0, "set span 5000"), typed(3.1, "start")]
 }
@@ -111,7 +111,7 @@ impl Bench<'_> {
         Setup { codes, noise: NOISE, rate_hz: RATE_HZ, script, ..Setup::quiet() }
     }
 
-    /// Runs; nothing forbidden may have been done.
+    /// Runs a setup; a breach is an error.
     fn play(&self, setup: &Setup) -> Result<Played> {
         let played = self.nucleo.play(setup)?;
         let last: Vec<&str> = played.shown.lines().rev().take(4).collect();
@@ -119,7 +119,7 @@ impl Bench<'_> {
         Ok(played)
     }
 
-    /// Starts and samples in time, without a reset.
+    /// Runs a setup, and checks that the board starts and samples in time without a reset.
     fn play_well(&self, setup: &Setup) -> Result<Played> {
         let played = self.play(setup)?;
         let first = played.outcome.line_times_s.first().copied().unwrap_or(f64::INFINITY);
@@ -142,7 +142,7 @@ fn troubles(shown: &str) -> Vec<&str> {
     shown.lines().filter(|line| line.starts_with(['!', 'I'])).collect()
 }
 
-/// When these words were said for the last time, s.
+/// Time of the last line that contains these words, s.
 fn last_said(played: &Played, words: &str) -> Option<f64> {
     let lines = played.shown.lines().zip(&played.outcome.line_times_s);
     lines.filter(|(line, _)| line.contains(words)).map(|(_, &s)| s).last()
@@ -152,7 +152,7 @@ fn events(played: &Played) -> usize {
     played.shown.lines().filter(|line| line.starts_with("E,")).count()
 }
 
-/// Last health on the console.
+/// Last health line on the console.
 fn health(played: &Played) -> Result<Health> {
     let mut healths = played.shown.lines().rev().filter_map(|line| match Line::parse(line) {
         Ok(Line::Health(health)) => Some(health),

@@ -1,4 +1,4 @@
-//! What starts the board again: the test goes on, and the clock if it can.
+//! Resets of the board: the test is resumed, and the clock is kept if possible.
 
 use floe::card::Test;
 use floe_board_model::run::{Incident, Setup};
@@ -10,18 +10,18 @@ use crate::emulate::card::Image;
 use crate::emulate::nucleo::{Played, card};
 
 const SPI2: u32 = 0x4000_3800;
-/// All but this much of the stack is used up, bytes: less than an interrupt takes.
+/// Stack left by the fault, bytes: less than an interrupt takes.
 const STACK_LEFT: u32 = 256;
-/// A test goes on within, s after the first tick.
+/// Longest time until a test is resumed, s after the first tick.
 const GOES_ON_S: f64 = 1.0;
-/// The clock is set before the crystal runs: what is said, and when, s.
+/// Clock command before the crystal runs: time of day, and moment of typing, s.
 const SET: (&str, f64) = ("2027-03-02T10:15:00Z", 0.5);
-/// A clock that is set is right to a sampling period, ms (`docs/field-guide.md`).
+/// Accuracy of a set clock, ms: one sampling period (`docs/field-guide.md`).
 const SET_MS: f64 = 62.5;
-/// The calendar counts to 4 ms; reading and setting it each round once, ms.
+/// Accuracy of the calendar, ms: it counts in 4 ms, and reading and setting round once each.
 const CALENDAR_MS: f64 = 10.0;
 
-/// What becomes of the time of day.
+/// Effect of the reset on the time of day.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Clock {
     Kept,
@@ -51,8 +51,8 @@ pub(super) fn brown_out(bench: &Bench<'_>) -> Result<Row> {
     restarts(bench, Incident::CutPower, "the power", "floe, help lists the commands", Clock::Lost)
 }
 
-/// The reset that an incident at second 6 leads to: what the board says about it, and
-/// the test goes on.
+/// Runs a test with an incident at second 6 that causes a reset; checks the reported cause and that
+/// the test is resumed.
 fn restarts(
     bench: &Bench<'_>,
     incident: Incident,
@@ -89,8 +89,8 @@ fn restarts(
     Ok(row(noticed, lost, format!("the test goes on, samples {tick:.1} s after the reset")))
 }
 
-/// Both parts have the date that is true, and the second how many samples are missing; or
-/// nothing, where the clock was lost. What is lost of the time, in words.
+/// Checks dates of both parts and the number of missing samples of the second, or that these are
+/// unknown where the clock was lost. Returns the loss of time as text.
 fn check_clock(played: &Played, before: &Test, again: &Test, clock: Clock) -> Result<String> {
     let ticks_s = &played.outcome.first_ticks_s;
     let time_s = |start: usize, index: u32| ticks_s[start] + f64::from(index) / 16.0;
