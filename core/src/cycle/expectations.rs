@@ -163,12 +163,13 @@ impl Expectations {
         }
         let own = cycle.rate_change - self.rate_change.prior_around_zero(1.0).mean;
         let own2 = larger(own * own - variance, 0.0);
-        let restick_n = cycle.restick_n();
-        if restick_n < 0.0 {
-            let by_rate = cycle.dynamic_n() * restick_n / (cycle.static_n * cycle.rate);
-            return (0.0, by_rate * by_rate * own2);
-        }
-        let (beside, within) = (BESIDE * BESIDE, 0.25 * cycle.inverse_omega());
+        let restick_n = cycle.dynamic_n() - cycle.half_drop_n;
+        let within = if restick_n < 0.0 {
+            cycle.dynamic_n() * restick_n / (cycle.static_n * cycle.rate)
+        } else {
+            0.25 * cycle.inverse_omega()
+        };
+        let beside = BESIDE * BESIDE;
         (beside * own2, (0.25 * beside + within * within) * own2)
     }
 

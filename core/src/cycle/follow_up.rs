@@ -79,6 +79,9 @@ impl CycleTracker {
         self.finishing = None;
         if let Some(before) = &self.pending {
             self.finishing = Some(CycleFit::new(before));
+        } else {
+            // A gap lies in the rest before this slip, or it is the first.
+            (self.last_stop, self.rested) = (None, None);
         }
         let progress = match by {
             By::Slip(slip) => {

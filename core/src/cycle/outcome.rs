@@ -48,7 +48,8 @@ impl CycleTracker {
         };
         let fit = load.is_some().then_some(&measured.posterior);
         if let Some(reason) = self.refused(slip, &after, &finished.event, fit) {
-            finished = self.without_coefficients(slip, reason).into();
+            // The change that it showed stays.
+            (finished.event, finished.alone) = (self.without_coefficients(slip, reason), None);
         }
         let (event, limit) = (&mut finished.event, SampleTime::after(slip.origin, slip.limit));
         event.onset = self.last_stop.map_or(event.onset, |it| later(it, event.onset));

@@ -35,10 +35,11 @@ impl<'a> Samples<'a> {
         Self { start, forces_n, rest_weight: 1.0, rest_from, slip }
     }
 
-    /// Time of the last sample, or before the first if there is none.
+    /// Time of the last sample, earlier by the number of missing ones: no later than the last good
+    /// sample, wherever samples are missing. Before the first if there is none.
     #[must_use]
     pub(crate) fn end(&self) -> f32 {
-        self.start + self.forces_n.len() as f32 - 1.0
+        self.start + self.good().count() as f32 - 1.0
     }
 
     /// Weight of a sample at a time.

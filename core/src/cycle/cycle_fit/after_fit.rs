@@ -111,11 +111,8 @@ impl CycleFit {
             posterior.common_n2 = fit.wider_n2(noise_n2);
         }
         let is_resolved = posterior.is_resolved();
-        // The earlier events determined the rate but not the length of a slip, so their slips were
-        // brief: the missing samples make this one look longer.
-        let length_known =
-            learnt.rate.mean().is_none() || learnt.mass.inverse_omega().mean().is_some();
-        if is_resolved && !length_known && slip.hides_length() {
+        // Until earlier events determine the length of a slip, missing samples make it look longer.
+        if !learnt.knows_omega() && slip.hides_length() {
             self.stage = FitStage::Failed(Reason::Hidden);
             return;
         }

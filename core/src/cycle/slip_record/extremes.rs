@@ -221,7 +221,8 @@ impl SlipRecord {
     /// begun, or ended, on either side of it.
     pub(crate) fn hides_length(&self) -> bool {
         let samples = self.samples();
-        self.fall() <= SHORTEST_FALL && samples.good().count() < samples.forces_n.len()
+        let missing = samples.forces_n.len() - samples.good().count();
+        missing > 0 && self.fall() <= SHORTEST_FALL + missing as f32
     }
 
     /// Angle at which half a cosine has fallen by the part of the drop that defines the edges.
@@ -251,14 +252,12 @@ impl SlipRecord {
     pub(super) fn crossing(&self) -> f32 {
         let half_n = 0.5 * (self.peak.force_n + self.low.force_n);
         let (peak, low) = self.extremes();
-        let mut before = None;
-        for (time, force_n) in self.samples().good() {
-            match before {
-                Some((earlier, from_n)) if time > peak && force_n < half_n => {
-                    return time - (time - earlier) * (half_n - force_n) / (from_n - force_n);
-                }
-                _ => before = Some((time, force_n)),
+        let (mut earlier, mut from_n) = (peak, self.peak.force_n);
+        for (time, force_n) in self.samples().good().filter(|&(time, _)| time > peak) {
+            if force_n < half_n {
+                return time - (time - earlier) * (half_n - force_n) / (from_n - force_n);
             }
+            (earlier, from_n) = (time, force_n);
         }
         0.5 * (peak + low)
     }

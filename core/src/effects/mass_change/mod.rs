@@ -112,8 +112,8 @@ impl Mass {
     /// Drops the trend of the swing and any suspicion or trial; the weight ratio stays.
     pub(crate) fn forget_all(&mut self) {
         self.inverse_omega = FadingTrend::default();
-        self.state = State::Steady;
         self.start(None);
+        self.state = State::Steady;
     }
 
     /// Tests an event. An event that is [`Verdict::Suspect`] outside a trial is not learnt from.

@@ -89,7 +89,7 @@ impl Mass {
 
     /// Starts new sums of the swings; their result so far stays in the weight ratio.
     pub(super) fn start(&mut self, before: Option<Prior>) {
-        self.base = self.ratio();
+        self.base = self.weight();
         (self.before, self.seen, self.since) = (before, 0, Swings::default());
     }
 }
