@@ -41,13 +41,26 @@ pub struct Common {
     /// By assumptions that all events need where samples are few. The least precise events show
     /// this part, and the others rest on it as well: it has the same weight in every event.
     pub granted: f32,
+    /// Have the parameters moved the coefficients? If those of no event, all coefficients rest on
+    /// the same assumptions, and what the newest events say of the parameters holds for all.
+    pub moved: bool,
 }
 
+/// Number of the newest events that say what all have in common.
+const RECENT: f32 = 8.0;
+
 impl Common {
-    /// Moves these means by the part `share` towards an event's.
+    /// Moves these means by the part `share` towards an event's; the shared part by more where the
+    /// newest events count.
     fn follow(&mut self, event: Self, share: f32) {
-        self.shared += share * (event.shared - self.shared);
+        self.moved |= event.moved;
         self.granted += share * (event.granted - self.granted);
+        self.shared += self.newest(share) * (event.shared - self.shared);
+    }
+
+    /// Share of the newest event in the shared part: `share`, or more where the newest events count.
+    fn newest(&self, share: f32) -> f32 {
+        if self.moved { share } else { larger(share, 1.0 / RECENT) }
     }
 }
 
@@ -107,7 +120,8 @@ impl Estimator {
         let (share, step) = (weight / self.weight.rounded(), from(self.weighted_mean, value));
         self.weighted_squares += before * share * step * step;
         self.weighted_mean += share * step;
-        self.weighted_shared += share * (common.shared - self.weighted_shared);
+        let newest = self.common.newest(share);
+        self.weighted_shared += newest * (common.shared - self.weighted_shared);
         self.weight_squares += weight * weight;
     }
 
@@ -167,7 +181,7 @@ impl Estimator {
         let independent = (noise + between + between * lambda * lambda * uneven) / n;
         let inflation = self.inflation(lambda);
         let variance = independent * inflation;
-        let Common { shared, granted } = self.common;
+        let Common { shared, granted, .. } = self.common;
         let shared = shared + lambda * (self.weighted_shared - shared);
         let common_std = math::hypotenuse(shared, granted);
         Some(Estimate {
@@ -300,9 +314,9 @@ mod tests {
             e.estimate().unwrap().common_std
         };
         // Σ w c / Σ w and Σ c / n.
-        let shared = of(Common { shared: 0.01, granted: 0.0 });
+        let shared = of(Common { shared: 0.01, granted: 0.0, moved: true });
         assert!((shared / 5e-6 - 1.0).abs() < 0.01, "{shared}");
-        let granted = of(Common { shared: 0.0, granted: 0.01 });
+        let granted = of(Common { shared: 0.0, granted: 0.01, moved: false });
         assert!((granted / (0.03 / 63.0) - 1.0).abs() < 0.01, "{granted}");
     }
 

@@ -1,7 +1,7 @@
 //! A complete event, counted into the means.
 
 use crate::cycle::Finished;
-use crate::effect::Effect;
+use crate::effect::{Effect, Effects};
 use crate::effects::level_shift::Change;
 use crate::estimator::Common;
 use crate::event::{Event, Quality};
@@ -46,11 +46,18 @@ impl Pipeline {
         let rate_hz = self.config.rate_hz / self.decimator.factor();
         let rest = event.stick_s.map_or(f32::MAX, |rest_s| rest_s * rate_hz);
         let granted = granted(event.quality, rest);
+        let moved = event.quality == Quality::Unresolved || self.cycles.found() != Effects::NONE;
         if let Some(it) = mu_s {
-            self.mu_s.add_with_common(it, Common { shared: common.0, granted: granted.0 * it.std });
+            self.mu_s.add_with_common(
+                it,
+                Common { shared: common.0, granted: granted.0 * it.std, moved },
+            );
         }
         if let Some(it) = mu {
-            self.mu.add_with_common(it, Common { shared: common.1, granted: granted.1 * it.std });
+            self.mu.add_with_common(
+                it,
+                Common { shared: common.1, granted: granted.1 * it.std, moved },
+            );
         }
         self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
         if mu_s.or(mu).is_some() {

@@ -109,7 +109,10 @@ impl Recurrence {
 /// Adds a value to a mean; its standard deviation has an own part and one common to all values.
 pub(super) fn add(mean: &mut Estimator, value: f64, (own, common): (f64, f64)) {
     let [value, std, granted] = [value, own, common].map(|it| it as f32);
-    mean.add_with_common(Coefficient::random(value, std), Common { shared: 0.0, granted });
+    mean.add_with_common(
+        Coefficient::random(value, std),
+        Common { shared: 0.0, granted, moved: false },
+    );
 }
 
 fn period_s([drop_n, rate, omega]: [f64; 3]) -> f64 {
