@@ -98,7 +98,7 @@ fn all_finite(what: &impl std::fmt::Debug, numbers: &[f32]) -> Result<(), TestCa
     Ok(())
 }
 
-/// Checks that every result is finite and every sample counted.
+/// Checks that every result is finite, every sample counted, and every slip longer than nothing.
 fn holds_for(config: &Config, samples: &[RawSample]) -> Result<(), TestCaseError> {
     let mut pipeline = Pipeline::new(config).unwrap();
     let mut events = 0;
