@@ -98,7 +98,7 @@ fn all_finite(what: &impl std::fmt::Debug, numbers: &[f32]) -> Result<(), TestCa
     Ok(())
 }
 
-/// Checks that every result is finite and every sample counted.
+/// Checks that every result is finite, every sample counted, and every slip longer than nothing.
 fn holds_for(config: &Config, samples: &[RawSample]) -> Result<(), TestCaseError> {
     let mut pipeline = Pipeline::new(config).unwrap();
     let mut events = 0;
@@ -107,11 +107,13 @@ fn holds_for(config: &Config, samples: &[RawSample]) -> Result<(), TestCaseError
         all_finite(&sample, sample.force_n.as_slice())?;
         all_finite(&rate, &rate.map_or(vec![], |r| vec![r.force_n, r.rate_n_per_s]))?;
         all_finite(&event, &event.map_or(vec![], |e| numbers_of_an_event(&e)))?;
+        prop_assert!(event.is_none_or(|it| it.slip_s > 0.0), "{:?}", event);
         events += u32::from(event.is_some());
     }
     let report = pipeline.report();
     all_finite(&report, &numbers_of_a_report(&report))?;
     for event in feed::finish(&mut pipeline) {
+        prop_assert!(event.slip_s > 0.0, "{:?}", event);
         all_finite(&event, &numbers_of_an_event(&event))?;
         events += 1;
     }

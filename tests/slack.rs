@@ -4,9 +4,11 @@
 //! the first events of a test, limits apply to bias, 95th percentile and coverage of the 95 %
 //! intervals.
 
+use floe::sim::Scene;
+use floe::sim::terms::WinchProfile;
 use floe_core::{Event, Quality};
 use floe_tests::brute::{self, Pull, Truth};
-use floe_tests::score::Errors;
+use floe_tests::score::{Errors, off, rms, run};
 use floe_tests::{feed, scenes};
 
 /// Events at the start of a test that are not judged.
@@ -168,4 +170,25 @@ fn noisy_cells() {
 #[test]
 fn a_cell_without_negative_forces() {
     within("clipped", &score("clipped", &slack(), |force_n| force_n.max(0.0)), (0.5, 1.5));
+}
+
+/// A winch that becomes faster by a twentieth while the cable is slack: how long the slack lasts
+/// depends on it, and so does `mu`, whose stated uncertainty must cover it.
+#[test]
+fn a_winch_that_changes_in_the_slack() {
+    let scene = Scene { duration_s: 20.0, ..scenes::stored("honesty/slack") };
+    let mut distances = Vec::new();
+    for seed in 1..=24 {
+        let onset_s = run(&scene, seed).truths[0].onset_s;
+        let steps = vec![[onset_s + 0.08, 1.05]];
+        let winch_profile = Some(WinchProfile::Steps { steps, period_s: None });
+        let tried = run(&Scene { winch_profile, ..scene.clone() }, seed);
+        for &(truth, found) in tried.pairs.iter().filter(|pair| pair.0 == 0) {
+            let (truth, mu) = (tried.truths[truth].mu, tried.found[found].mu);
+            distances.extend(mu.map(|mu| off(&mu, truth)));
+        }
+    }
+    let rms = rms(&distances);
+    println!("rms of {} mu: {rms:.2} std", distances.len());
+    assert!(distances.len() > 18 && rms < 1.5, "{rms} in {} events", distances.len());
 }

@@ -8,10 +8,11 @@ use proptest::test_runner::{Config as Cases, RngAlgorithm, TestRng, TestRunner};
 
 use super::{Outcome, config, read};
 
-/// Checks that events and stretches are in order and disjoint.
+/// Checks that events and stretches are in order and disjoint, and that every slip has a duration:
+/// where samples are missing, the force may first be seen when it has fallen by half.
 fn in_order(outcome: &Outcome) -> Result<(), TestCaseError> {
     for event in &outcome.events {
-        prop_assert!(event.onset <= event.stop, "{event:?}");
+        prop_assert!(event.onset <= event.stop && event.slip_s > 0.0, "{event:?}");
     }
     for pair in outcome.events.windows(2) {
         prop_assert!(pair[0].stop <= pair[1].onset, "{pair:?}");

@@ -15,6 +15,7 @@ pub mod normal;
 pub mod parallel;
 pub mod random;
 pub mod records;
+pub mod saw;
 pub mod scenes;
 pub mod score;
 pub mod scripted;

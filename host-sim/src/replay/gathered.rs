@@ -159,6 +159,7 @@ impl<'a> Gathered<'a> {
         if let Some(it) = effects.iter_mut().find(is_level) {
             it.parameters = level::parameters(&result.changes, &result.events);
         }
+        let stretches = stretches.with_changes(&result.changes, config);
         let mut result = ReplayResult { effects, stretches, ..result };
         let doubts = doubts::doubts(log, (config, known), &report, result.sags());
         result.log.warnings = [log.warnings(), doubts, self.rails.warnings()].concat();

@@ -1,8 +1,9 @@
 //! Stretches of a log that belong to no event.
 
-use floe_core::{Config, Stretch, StretchKind};
+use floe_core::{Config, InputStd, Stretch, StretchKind};
 use serde::Serialize;
 
+use super::result::ChangeSummary;
 use crate::rounding::{digits, narrow, plus_minus};
 
 /// All such stretches of a log, in order.
@@ -21,7 +22,7 @@ pub struct SteadySummary {
     pub start_s: f64,
     /// In the log's own time.
     pub stop_s: f64,
-    /// Mean force over the weight.
+    /// Mean force over the weight in use at that time.
     pub force_over_weight: f64,
     /// One standard deviation of that mean.
     pub std: f64,
@@ -45,7 +46,8 @@ pub struct NotUnderstood {
 }
 
 impl Stretches {
-    /// Adds a stretch; its times are in the log's seconds.
+    /// Adds a stretch; its times are in the log's seconds. Its weight is the given one until
+    /// [`Stretches::with_changes`].
     pub fn add(&mut self, stretch: &Stretch, config: &Config, start_s: f64, stop_s: f64) {
         match stretch.kind {
             StretchKind::Steady { force_over_weight, std, moving } => {
@@ -64,9 +66,38 @@ impl Stretches {
             }
         }
     }
+
+    /// The stretches with the weight that is in use after each change of the test, in order. A
+    /// stretch that begins before the first slip after a change has the weight before it.
+    #[must_use]
+    pub fn with_changes(mut self, changes: &[ChangeSummary], config: &Config) -> Self {
+        for steady in &mut self.steady {
+            let before = |it: &&ChangeSummary| it.onset_s <= steady.start_s;
+            if let Some(change) = changes.iter().rfind(before) {
+                steady.set_weight(change, config);
+            }
+        }
+        self
+    }
 }
 
 impl SteadySummary {
+    /// Replaces the given weight by the one that is in use after a change.
+    fn set_weight(&mut self, change: &ChangeSummary, config: &Config) {
+        let [ratio, ratio_std] = [change.weight_ratio, change.weight_ratio_std].map(|it| it as f32);
+        let [mean, std] =
+            [self.force_over_weight, self.std].map(|over_given| over_given as f32 / ratio);
+        // The ratio is a factor of the weight: their relative variances add.
+        let weight = config.std.weight.hypot(ratio_std / ratio);
+        let config = Config {
+            weight_n: ratio * config.weight_n,
+            std: InputStd { weight, ..config.std },
+            ..*config
+        };
+        self.sliding = floe_core::of_constant_force(&config, (mean, std));
+        [self.force_over_weight, self.std] = [mean, std].map(shortest);
+    }
+
     /// One sentence for a person.
     #[must_use]
     pub fn sentence(&self) -> String {
@@ -155,6 +186,35 @@ mod tests {
                 .to_owned()
                 + r#""not_understood":[{"start_s":30.0,"stop_s":31.5,"reason":"the force falls evenly: the winch turned back"}]}"#
         );
+    }
+
+    fn change(onset_s: f64, weight_ratio: f64, weight_ratio_std: f64) -> ChangeSummary {
+        ChangeSummary { event: 0, onset_s, cause: "mass", weight_ratio, weight_ratio_std }
+    }
+
+    /// A stretch has the weight of its own time, and `mu` the uncertainty of that weight.
+    #[test]
+    fn a_broken_block_has_its_own_weight() {
+        let std = InputStd { weight: 0.01, ..InputStd::EXACT };
+        let config = Config { weight_n: 630.0, std, ..Config::default() };
+        let kind =
+            StretchKind::Steady { force_over_weight: 0.56, std: 0.000_7, moving: Some(true) };
+        let mut all = Stretches::default();
+        for start_s in [10.0, 40.0, 90.0] {
+            all.add(&stretch(kind), &config, start_s, start_s + 9.0);
+        }
+        let changes = [change(30.0, 0.7, 0.014), change(60.0, 0.35, 0.007)];
+        let steady = all.with_changes(&changes, &config).steady;
+        for (it, ratio) in steady.iter().zip([1.0, 0.7, 0.35]) {
+            let ((mu, std), truth) = (it.sliding, 0.56 / ratio);
+            assert!((it.force_over_weight - truth).abs() < 1e-6, "{it:?}");
+            assert!((it.std - 0.000_7 / ratio).abs() < 1e-6, "{it:?}");
+            assert!((f64::from(mu) - truth).abs() < 1e-6, "{it:?}");
+            let weight = if ratio < 1.0 { 0.01_f64.hypot(0.02) } else { 0.01 };
+            let combined = (0.000_7 / ratio).hypot(truth * weight);
+            assert!((f64::from(std) - combined).abs() < 1e-5, "{it:?} {combined}");
+        }
+        assert_eq!(steady.len(), 3);
     }
 
     #[test]

@@ -1,0 +1,89 @@
+//! The weight in use is never another one without a change that says so.
+
+use floe_core::{Cause, Change, Config, Event, InputStd, Pipeline, Reason};
+use floe_tests::feed;
+use floe_tests::normal::Normal;
+use floe_tests::saw::{Slip, saw};
+
+/// What a test gives, sample by sample.
+struct Seen {
+    changes: Vec<Change>,
+    events: Vec<Event>,
+    /// The weight in use over the given one, where it became another one.
+    ratios: Vec<f32>,
+}
+
+fn read(weight_n: f64, forces_n: &[f64]) -> Seen {
+    let config = Config { weight_n: weight_n as f32, std: InputStd::EXACT, ..Config::default() };
+    let mut pipeline = Pipeline::new(&config).expect("the configuration is valid");
+    let mut seen = Seen { changes: Vec::new(), events: Vec::new(), ratios: vec![1.0] };
+    for sample in feed::in_a_row(forces_n) {
+        let step = pipeline.step(sample);
+        seen.changes.extend(step.change);
+        seen.events.extend(step.event);
+        seen.ratios.push(pipeline.report().weight_ratio);
+    }
+    seen.ratios.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    seen
+}
+
+/// A break of a block whose friction is near the limit of a coefficient is reported wherever the
+/// new weight is in use: the event that shows it may itself be refused.
+#[test]
+fn a_change_near_the_limit_is_reported() {
+    const WEIGHT_N: f64 = 630.0;
+    let mut in_use = 0;
+    for seed in 0..40 {
+        let mut normal = Normal::new(seed);
+        let mut slip = |index: u32| {
+            let mass: f64 = if index < 20 { 1.0 } else { 0.7 };
+            let mut around = |mu: f64| mu * WEIGHT_N * mass * (1.0 + 0.004 * normal.sample());
+            Slip { static_n: around(2.995), dynamic_n: around(1.9), omega: 1.0 / mass.sqrt() }
+        };
+        let slips: Vec<Slip> = (0..50).map(&mut slip).collect();
+        let (mut forces_n, _) = saw(&slips, 40.0, 20.0);
+        forces_n.iter_mut().for_each(|it| *it += 2.0 * normal.sample());
+        let seen = read(WEIGHT_N, &forces_n);
+        let ratio = seen.ratios.last().copied().unwrap_or(1.0);
+        if (ratio - 1.0).abs() > 0.2 {
+            in_use += 1;
+            assert!(!seen.changes.is_empty(), "{seed}: {ratio} without a change");
+        }
+    }
+    println!("{in_use} of 40 with the new weight");
+    assert!(in_use > 20, "{in_use}");
+}
+
+/// Friction falls by a quarter, and three disturbed slips later look like another block: a trial
+/// of its weight that fails leaves the weight as it was.
+#[test]
+fn a_trial_that_fails_leaves_the_weight() {
+    const FALL: usize = 40;
+    const BLOW_N: f64 = 40.0;
+    let (mut tried, records) = (0, 60);
+    for seed in 0..records {
+        let mut normal = Normal::new(seed);
+        let mut slip = |index: usize| {
+            let part = if index < FALL { 1.0 } else { 0.75 };
+            let mut around = |force_n: f64| force_n * part * (1.0 + 0.004 * normal.sample());
+            Slip { static_n: around(270.0), dynamic_n: around(168.0), omega: 1.45 }
+        };
+        let slips: Vec<Slip> = (0..90).map(&mut slip).collect();
+        let (mut forces_n, onsets) = saw(&slips, 9.0, 20.0);
+        forces_n.iter_mut().for_each(|it| *it += 2.0 * normal.sample());
+        for onset in &onsets[FALL + 8..FALL + 11] {
+            let onset = *onset as usize;
+            for (place, blow) in
+                [(onset - 3, -0.6), (onset + 1, 1.0), (onset + 5, -1.0), (onset + 6, 1.0)]
+            {
+                forces_n[place] += BLOW_N * blow;
+            }
+        }
+        let seen = read(300.0, &forces_n);
+        tried += usize::from(seen.events.iter().any(|it| it.reason == Some(Reason::Suspect)));
+        let said = seen.changes.iter().any(|it| it.cause == Cause::Mass);
+        assert!(said || seen.ratios.len() == 1, "{seed}: {:?} {:?}", seen.ratios, seen.changes);
+    }
+    println!("{tried} of {records} with a trial");
+    assert!(tried > 5, "{tried}");
+}
