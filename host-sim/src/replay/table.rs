@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::io;
 
 use super::abridged::abridged;
+use super::check::Check;
 use super::doubts::has_no_force;
 use super::result::{
     CoefficientSummary, EffectSummary, EventSummary, LogSummary, ParameterSummary, ReplayResult,
@@ -214,10 +215,9 @@ type Quantity = (&'static str, Option<f64>, Option<f64>, &'static str);
 
 fn measured(result: &ReplayResult) -> [Quantity; 9] {
     let q = &result.quantities;
-    let checks = match (result.sags(), q.disagree()) {
-        (true, _) => "of the two: a cable that sags is softer in the slip",
-        (false, true) => "of the two: they disagree",
-        (false, false) => "of the two: checks both",
+    let checks = match q.check() {
+        _ if result.sags() => "of the two: a cable that sags is softer in the slip",
+        check => check.map_or("", Check::remark),
     };
     [
         ("loading rate", q.loading_rate_n_per_s, q.loading_rate_n_per_s_std, "N/s"),
