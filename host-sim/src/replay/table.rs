@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::io;
 
 use super::abridged::abridged;
+use super::budget::BudgetLine;
 use super::check::Check;
 use super::doubts::has_no_force;
 use super::result::{
@@ -272,7 +273,7 @@ fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
         "budget", "value", "std", "mu_s by 1", "mu_s ±", "share", "mu by 1", "mu ±", "share"
     )?;
     let estimate = &result.estimate;
-    for line in &result.budget {
+    for line in result.budget.iter().map(BudgetLine::printed) {
         write!(out, "{:<14}{:>10}{:>10}", line.input, number(line.value), small(line.std))?;
         for (share, mean) in [(&line.mu_s, &estimate.mu_s), (&line.mu, &estimate.mu)] {
             let (by, percent) = (number(share.sensitivity), percent(share.contribution, mean));
