@@ -154,7 +154,8 @@ fn run_on(
     args: &Args,
 ) -> Result<Findings, InputError> {
     let of_log = |error: InputError| error.within(name);
-    let mut log = Log::from_reader(input, &args.log_options).map_err(of_log)?;
+    let mut log =
+        Log::from_reader(input, &args.log_options.settled_by(&args.test)).map_err(of_log)?;
     let config = configure(&log, &args.test).map_err(of_log)?;
     let Some(file) = &args.samples else {
         return run_core(path, &mut log, &config, args, |_, _| {}).map_err(of_log);
