@@ -114,6 +114,10 @@ fn ports_that_are_none() {
     assert!(refused.starts_with(&format!("floe: {free}: nobody listens there")), "{refused}");
     let socket = refusal(&["unix:/floe/is/not/there"]);
     assert!(socket.starts_with("floe: /floe/is/not/there: no such socket"), "{socket}");
+    for large in ["127.0.0.1:99999", "tcp:127.0.0.1:99999"] {
+        let why = "floe: 127.0.0.1:99999: the number of a port is 65535 at most";
+        assert_eq!(refusal(&[large]), why);
+    }
     assert!(refusal(&[]).contains("<PORT>"));
     refusal(&["", "--json"]);
 }

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use floe_core::{Config, Step};
 
+use clap::builder::NonEmptyStringValueParser;
+
 use crate::error::{InputError, printable_line};
 use crate::log::{Log, LogOptions};
 use crate::replay::result::ReplayResult;
@@ -36,6 +38,7 @@ Readings of -6999, 6999, -9999, -99999, NaN, infinity or nothing are bad samples
 only the last three).")]
 pub struct Args {
     /// The log: a file, or - for standard input
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
     log: Option<String>,
     #[command(flatten)]
     log_options: LogOptions,

@@ -54,9 +54,7 @@ fn apart(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
         if path.is_dir() {
             refuse(path, "is a directory; name a file to write")?;
         }
-        if !directory(path).is_dir() {
-            refuse(path, "its directory does not exist; make it first")?;
-        }
+        refuse_nowhere(path)?;
         if let Some(identity) = Identity::of(path) {
             if taken.contains(&identity) {
                 let why = "is read or written already by this command; name another output";
@@ -81,6 +79,17 @@ fn kind(path: &Path) -> Option<&'static str> {
     }
 }
 
+/// Rejects a file or folder in a directory that does not exist.
+///
+/// # Errors
+/// There is no such directory.
+pub fn refuse_nowhere(path: &Path) -> Result<(), InputError> {
+    match directory(path).is_dir() {
+        true => Ok(()),
+        false => refuse(path, "its directory does not exist; make it first"),
+    }
+}
+
 /// Rejects `-` for an output that is a file or a folder.
 ///
 /// # Errors
@@ -94,8 +103,8 @@ pub fn refuse_standard(path: &Path) -> Result<(), InputError> {
     ))
 }
 
-/// Rejects a folder that cannot be created, or that would be created at the path of one of
-/// `outputs`.
+/// Rejects a folder that cannot be created, that would be created at the path of one of `outputs`,
+/// or whose own directory does not exist.
 ///
 /// # Errors
 /// The file or output at that path.
@@ -111,7 +120,7 @@ pub fn check_folder(folder: &Path, outputs: &[&Path]) -> Result<(), InputError> 
             "is written already by this command as a file; name another directory",
         );
     }
-    Ok(())
+    refuse_nowhere(folder)
 }
 
 /// Identity of a file, on any path.
