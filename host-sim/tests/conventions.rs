@@ -292,6 +292,26 @@ fn a_missing_input_is_said_in_the_same_words() {
     assert_refused(&refused, &["folder: is a directory; name a file"]);
 }
 
+/// `floe replay x.csv --json >> x.csv`.
+#[cfg(unix)]
+#[test]
+fn the_log_is_not_written_by_standard_output() {
+    let dir = directory("appended");
+    for (command, log) in ON_LOGS {
+        let before = fs::read(dir.join(log)).unwrap();
+        let out = fs::OpenOptions::new().append(true).open(dir.join(log)).unwrap();
+        let mut floe = Command::new(env!("CARGO_BIN_EXE_floe"));
+        let output = floe.current_dir(&dir).args([command, log, "--json"]).stdout(out).output();
+        let why = "is where standard output goes; send that to another file";
+        assert_refused(&output.unwrap(), &[log, why]);
+        let open = |append| fs::OpenOptions::new().read(true).append(append).open(dir.join(log));
+        let mut floe = Command::new(env!("CARGO_BIN_EXE_floe"));
+        floe.args([command, "-", "--json"]).stdin(open(false).unwrap()).stdout(open(true).unwrap());
+        assert_refused(&floe.output().unwrap(), &["floe: -: ", why]);
+        assert!(fs::read(dir.join(log)).unwrap() == before, "{command}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_link_that_is_replaced_is_said() {

@@ -46,6 +46,7 @@ pub fn check_log(log: &Path, beside: &[&Path], inputs: &[&Path]) -> Result<Older
 
 /// Rejects outputs that cannot be written, or are read or written already.
 fn apart(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
+    refuse_own_output(inputs)?;
     let standard = ["/dev/stdin", "/dev/stdout"].map(Path::new);
     let taken = inputs.iter().copied().chain(standard);
     let mut taken: Vec<Identity> = taken.filter_map(Identity::of).collect();
@@ -65,6 +66,20 @@ fn apart(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
     }
     let older = |path: &&Path| Some((path.to_path_buf(), kind(path)?));
     Ok(Older(outputs.iter().filter_map(older).collect()))
+}
+
+/// Rejects an input to which standard output is appended, as in `floe replay x.csv >> x.csv`.
+fn refuse_own_output(inputs: &[&Path]) -> Result<(), InputError> {
+    let out = Path::new("/dev/stdout");
+    let Some(own) = Identity::of(out).filter(|_| out.is_file()) else { return Ok(()) };
+    let read = |path: &Path| match path == Path::new(STANDARD) {
+        true => Identity::of(Path::new("/dev/stdin")),
+        false => Identity::of(path),
+    };
+    match inputs.iter().find(|path| read(path).as_ref() == Some(&own)) {
+        Some(path) => refuse(path, "is where standard output goes; send that to another file"),
+        None => Ok(()),
+    }
 }
 
 fn refuse(path: &Path, why: &str) -> Result<(), InputError> {
