@@ -15,10 +15,28 @@ impl InputError {
         Self(printable_line(&message.to_string()).into_owned())
     }
 
-    /// A failed read, with the system's message.
+    /// A file that could not be opened.
+    #[must_use]
+    pub fn unopened(error: &io::Error) -> Self {
+        Self::failed("cannot be opened", error)
+    }
+
+    /// A failed read.
     #[must_use]
     pub fn unreadable(error: &io::Error) -> Self {
-        Self::new(format!("cannot be read: {error}"))
+        Self::failed("cannot be read", error)
+    }
+
+    /// A failed operation, in the tool's words where it has some, else with the system's message.
+    fn failed(what: &str, error: &io::Error) -> Self {
+        let kind = error.kind();
+        if kind == io::ErrorKind::NotFound {
+            Self::new("no such file")
+        } else if kind == io::ErrorKind::IsADirectory {
+            Self::new("is a directory; name a file")
+        } else {
+            Self::new(format!("{what}: {error}"))
+        }
     }
 
     /// Adds the place of the problem in front of the message.

@@ -231,3 +231,30 @@ fn what_the_test_tells_of_the_zero_reaches_its_first_events() {
         }
     }
 }
+
+/// A drift of the zero that nobody measured is not printed as none; the JSON stays as it is.
+#[test]
+fn a_drift_that_was_not_measured_is_said_to_be() {
+    let folder = TempDir::new().unwrap();
+    let report = folder.path().join("report.html");
+    let row = |options: &[&str]| {
+        let program = Command::new(env!("CARGO_BIN_EXE_floe"))
+            .args(["replay", LOG, "--summary", "--report"])
+            .arg(&report)
+            .args(options)
+            .output()
+            .unwrap();
+        assert!(program.status.success(), "{}", String::from_utf8_lossy(&program.stderr));
+        let text = String::from_utf8(program.stdout).unwrap();
+        text.lines().find(|line| line.starts_with("zero_drift_n")).unwrap().to_string()
+    };
+    let both = ["--zero-before-n", "0", "--zero-after-n", "0.5"];
+    for (options, is_said) in [(&[][..], true), (&both[..2], true), (&both, false)] {
+        let row = row(options);
+        assert_eq!(row.contains("not measured, and none is seen"), is_said, "{row}");
+        assert_eq!(row.contains("0.0%"), !is_said, "{row}");
+        let page = std::fs::read_to_string(&report).unwrap();
+        assert_eq!(page.contains("not measured, and none is seen"), is_said);
+        assert!(number(&line(&replay(options), "zero_drift_n")["std"]).abs() < 1e-12);
+    }
+}

@@ -126,7 +126,8 @@ fn what_holds_no_test_is_refused_with_the_reason() {
     let dir = directory("none");
     let written = unsound(test(1, 0, 1)[0]);
     fs::write(dir.join("card.log"), [written, written].concat()).unwrap();
-    let why = "card.log: holds no record of a floe logger: 2 sectors that no logger writes\n";
+    let why = "card.log: holds no record of a floe logger (2 sectors that no logger writes): name \
+               the card's FLOE.LOG, or an image of the whole card; a log as text goes to floe replay\n";
     assert_refused(&floe(&dir, &["replay", "card.log"]), &[why]);
     assert_refused(&floe(&dir, &["recover", "card.log", "-o", "tests"]), &[why]);
     let settings = Record::default().encode();

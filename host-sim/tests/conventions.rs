@@ -248,6 +248,70 @@ fn only_json_goes_to_standard_output() {
     assert!(dir.join("-").is_file());
 }
 
+/// An output is made in a directory that is there; only the last directory itself is made.
+#[test]
+fn a_missing_directory_is_said_in_the_same_words() {
+    let dir = directory("nowhere");
+    let why = "its directory does not exist; make it first";
+    for arguments in [
+        &["replay", "log.csv", "--json", "nodir/x"][..],
+        &["replay", "log.csv", "--figures", "nodir/deep/figs"],
+        &["recover", "log.csv", "-o", "nodir/tests"],
+        &["simulate", "log.csv", "-o", "nodir/x.csv"],
+        &["live", "127.0.0.1:1", "-o", "nodir/x"],
+    ] {
+        assert_refused(&run(&dir, arguments), &["nodir/", why]);
+        assert!(!dir.join("nodir").exists(), "{arguments:?}");
+    }
+    fs::create_dir(dir.join("nodir")).unwrap();
+    floe(&dir, &["replay", "log.csv", "--figures", "nodir/figs/"]);
+    assert!(dir.join("nodir/figs/history.svg").is_file());
+}
+
+/// Missing inputs are reported without the words of the system.
+#[test]
+fn a_missing_input_is_said_in_the_same_words() {
+    let dir = directory("missing");
+    for arguments in [
+        &["replay", "nosuch"][..],
+        &["inspect", "nosuch"],
+        &["weigh", "nosuch"],
+        &["stiffness", "nosuch"],
+        &["simulate", "nosuch", "-o", "x.csv"],
+        &["campaign", "nosuch"],
+        &["recover", "nosuch", "-o", "tests"],
+    ] {
+        let command = arguments[0];
+        assert_refused(&run(&dir, arguments), &["nosuch: no such file"]);
+        let unnamed = [&[command, ""], &arguments[2..]].concat();
+        assert_refused(&run(&dir, &unnamed), &["a value is required for", "but none was supplied"]);
+    }
+    assert_refused(&run(&dir, &["live", ""]), &["a value is required for '<PORT>'"]);
+    fs::create_dir(dir.join("folder")).unwrap();
+    let refused = run(&dir, &["simulate", "folder", "-o", "x.csv"]);
+    assert_refused(&refused, &["folder: is a directory; name a file"]);
+}
+
+/// `floe replay x.csv --json >> x.csv`.
+#[cfg(unix)]
+#[test]
+fn the_log_is_not_written_by_standard_output() {
+    let dir = directory("appended");
+    for (command, log) in ON_LOGS {
+        let before = fs::read(dir.join(log)).unwrap();
+        let out = fs::OpenOptions::new().append(true).open(dir.join(log)).unwrap();
+        let mut floe = Command::new(env!("CARGO_BIN_EXE_floe"));
+        let output = floe.current_dir(&dir).args([command, log, "--json"]).stdout(out).output();
+        let why = "is where standard output goes; send that to another file";
+        assert_refused(&output.unwrap(), &[log, why]);
+        let open = |append| fs::OpenOptions::new().read(true).append(append).open(dir.join(log));
+        let mut floe = Command::new(env!("CARGO_BIN_EXE_floe"));
+        floe.args([command, "-", "--json"]).stdin(open(false).unwrap()).stdout(open(true).unwrap());
+        assert_refused(&floe.output().unwrap(), &["floe: -: ", why]);
+        assert!(fs::read(dir.join(log)).unwrap() == before, "{command}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_link_that_is_replaced_is_said() {

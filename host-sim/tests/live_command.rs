@@ -114,6 +114,10 @@ fn ports_that_are_none() {
     assert!(refused.starts_with(&format!("floe: {free}: nobody listens there")), "{refused}");
     let socket = refusal(&["unix:/floe/is/not/there"]);
     assert!(socket.starts_with("floe: /floe/is/not/there: no such socket"), "{socket}");
+    for large in ["127.0.0.1:99999", "tcp:127.0.0.1:99999"] {
+        let why = "floe: 127.0.0.1:99999: the number of a port is 65535 at most";
+        assert_eq!(refusal(&[large]), why);
+    }
     assert!(refusal(&[]).contains("<PORT>"));
     refusal(&["", "--json"]);
 }
@@ -172,9 +176,27 @@ fn events_as_lines() {
     assert!(said[1].ends_with(": gone (closed); trying again"), "{said:?}");
     assert!(said[2].ends_with(": there again"), "{said:?}");
     let lines = fs::read_to_string(&kept).unwrap();
-    assert_eq!(lines.lines().count(), 7, "{lines}");
+    assert_eq!(lines.lines().count(), 8, "{lines}");
     assert!(lines.contains(first.trim_end()) && lines.contains(damaged.trim_end()));
+    let (head, tail) = third.split_at(30);
+    assert!(lines.contains(&format!("\n{head}\n{}\n", tail.trim_end())), "{lines}");
     fs::remove_file(kept).unwrap();
+}
+
+/// A board that connects and sends nothing is reported, with and without `--json`.
+#[test]
+fn a_silent_board_is_said() {
+    let lives = [&[][..], &["--json"]].map(Live::start);
+    let mut boards = lives.each_ref().map(Live::accept);
+    for board in &mut boards {
+        board.read_exact(&mut [0; 8]).unwrap();
+    }
+    std::thread::sleep(Duration::from_secs(5));
+    for live in lives {
+        let said = live.end();
+        assert_eq!(said.lines().count(), 1, "{said}");
+        assert!(said.contains(": the board is silent for 8 s: off, or another program"), "{said}");
+    }
 }
 
 #[test]

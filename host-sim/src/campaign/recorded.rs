@@ -193,8 +193,8 @@ pub fn evaluate(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
 
 fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
     let path = &entry.path;
-    let file = File::open(path).map_err(|e| InputError::new(format!("cannot be opened: {e}")))?;
-    let mut log = Log::from_reader(Box::new(file), &entry.log)?;
+    let file = File::open(path).map_err(|error| InputError::unopened(&error))?;
+    let mut log = Log::from_reader(Box::new(file), &entry.log.settled_by(&entry.test))?;
     let config = configure(&log, &entry.test)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let around = entry.test.around();

@@ -58,11 +58,14 @@ pub(super) fn unused(found: &Found) -> Vec<String> {
 
 /// Error for an input without a record.
 pub(super) fn no_record(found: &Found) -> InputError {
-    let none = "holds no record of a floe logger";
-    match unused(found).join(", ") {
-        unused if unused.is_empty() => InputError::new(none),
-        unused => InputError::new(format!("{none}: {unused}")),
-    }
+    let unused = match unused(found).join(", ") {
+        unused if unused.is_empty() => unused,
+        unused => format!(" ({unused})"),
+    };
+    InputError::new(format!(
+        "holds no record of a floe logger{unused}: name the card's FLOE.LOG, or an image of the whole \
+         card; a log as text goes to floe replay"
+    ))
 }
 
 /// Descriptions of tests that contradict each other.

@@ -34,12 +34,7 @@ pub fn open_file(path: &Path, quiet: bool) -> Result<ProgressBarIter<File>, Inpu
     if path.is_dir() {
         return Err(InputError::new("is a directory; name one log file"));
     }
-    let file = File::open(path).map_err(|error| {
-        let missing = error.kind() == std::io::ErrorKind::NotFound;
-        let what =
-            if missing { "no such file".into() } else { format!("cannot be opened: {error}") };
-        InputError::new(what)
-    })?;
+    let file = File::open(path).map_err(|error| InputError::unopened(&error))?;
     let bytes = file.metadata().map_or(0, |metadata| metadata.len());
     let bar = match bytes >= LONG_BYTES && !quiet {
         true => progress::bar(bytes, "{bytes} of {total_bytes}, {eta} left"),

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use clap::builder::NonEmptyStringValueParser;
+
 use crate::error::{InputError, printable_line};
 use crate::log::inspection::{Inspection, inspect};
 use crate::log::{Log, LogOptions};
@@ -19,6 +21,7 @@ Examples:
   floe inspect export.txt --delimiter ';' --time-column Uhrzeit --column Kraft --unit kN")]
 pub struct Args {
     /// The log: a file, or - for standard input
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
     log: Option<String>,
     #[command(flatten)]
     options: LogOptions,

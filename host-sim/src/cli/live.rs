@@ -3,6 +3,8 @@
 use std::io::{self, IsTerminal};
 use std::path::PathBuf;
 
+use clap::builder::NonEmptyStringValueParser;
+
 use crate::error::InputError;
 use crate::live::{Form, Place, Port, Save, display, print_events};
 
@@ -21,6 +23,7 @@ unix:PATH. When standard output is no terminal, every event is printed as one li
 tried again when it goes away.")]
 pub struct Args {
     /// The board's console
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
     port: String,
     /// Print every event as one line of JSON instead of the display; unlike elsewhere it takes no
     /// FILE: > FILE keeps them
@@ -36,7 +39,10 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    args.output.as_deref().map_or(Ok(()), output::refuse_standard)?;
+    if let Some(path) = &args.output {
+        output::refuse_standard(path)?;
+        output::refuse_nowhere(path)?;
+    }
     let place = Place::parse(&args.port);
     let port = Port::connect(&place)?;
     let save = args.output.as_deref().map(Save::create).transpose()?;

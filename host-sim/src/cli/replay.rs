@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use floe_core::{Config, Step};
 
+use clap::builder::NonEmptyStringValueParser;
+
 use crate::error::{InputError, printable_line};
 use crate::log::{Log, LogOptions};
 use crate::replay::result::ReplayResult;
@@ -36,6 +38,7 @@ Readings of -6999, 6999, -9999, -99999, NaN, infinity or nothing are bad samples
 only the last three).")]
 pub struct Args {
     /// The log: a file, or - for standard input
+    #[arg(value_parser = NonEmptyStringValueParser::new())]
     log: Option<String>,
     #[command(flatten)]
     log_options: LogOptions,
@@ -154,7 +157,8 @@ fn run_on(
     args: &Args,
 ) -> Result<Findings, InputError> {
     let of_log = |error: InputError| error.within(name);
-    let mut log = Log::from_reader(input, &args.log_options).map_err(of_log)?;
+    let mut log =
+        Log::from_reader(input, &args.log_options.settled_by(&args.test)).map_err(of_log)?;
     let config = configure(&log, &args.test).map_err(of_log)?;
     let Some(file) = &args.samples else {
         return run_core(path, &mut log, &config, args, |_, _| {}).map_err(of_log);

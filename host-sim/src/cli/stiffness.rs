@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use floe_core::Reading;
 use serde::Serialize;
 
+use clap::builder::NonEmptyStringValueParser;
+
 use crate::error::{InputError, printable_line};
 use crate::log::{Log, LogOptions};
 use crate::rounding::{counted, plus_minus};
@@ -27,7 +29,7 @@ Several pulls of one length give their mean; of several lengths, AE of the cable
 of its ends and splices: 1/k = 1/k0 + L/AE.")]
 pub struct Args {
     /// The logs: files, or - for standard input
-    #[arg(value_name = "LOG")]
+    #[arg(value_parser = NonEmptyStringValueParser::new(), value_name = "LOG")]
     logs: Vec<String>,
     /// Take-up speed of the winch, m/s [default: as the log says]
     #[arg(long, value_name = "W", allow_negative_numbers = true)]

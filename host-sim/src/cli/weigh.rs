@@ -5,6 +5,8 @@ use std::path::Path;
 use floe_core::Config;
 use floe_core::signal::calibrate::Calibrator;
 
+use clap::builder::NonEmptyStringValueParser;
+
 use crate::error::InputError;
 use crate::log::{Log, LogOptions};
 use crate::replay::given;
@@ -32,7 +34,7 @@ readings at the end of the range, one in fifty at most, are left out, and that i
 the log (# zero_before_n, # zero_after_n) is taken off, as 'floe replay' does.")]
 pub struct Args {
     /// The log: a file, or - for standard input
-    #[arg(value_name = "LOG")]
+    #[arg(value_parser = NonEmptyStringValueParser::new(), value_name = "LOG")]
     log: Option<String>,
     #[command(flatten)]
     log_options: LogOptions,

@@ -27,8 +27,7 @@ impl Lines {
         for &byte in bytes {
             let whole = byte == b'\n' || self.partial.len() >= LONGEST;
             if whole {
-                let text = String::from_utf8_lossy(&self.partial).trim_end().to_string();
-                if !text.is_empty() {
+                if let Some(text) = text(&self.partial) {
                     received.push(Received { text, cut: !self.begun });
                 }
                 self.begun = true;
@@ -41,10 +40,17 @@ impl Lines {
         received
     }
 
-    /// Discards an incomplete line after the port was reopened.
-    pub fn restart(&mut self) {
-        *self = Self::default();
+    /// Ends an unfinished line whose rest will not come, and returns it.
+    #[must_use]
+    pub fn restart(&mut self) -> Option<String> {
+        text(&std::mem::take(self).partial)
     }
+}
+
+/// Text of a line; `None` for an empty one.
+fn text(bytes: &[u8]) -> Option<String> {
+    let text = String::from_utf8_lossy(bytes).trim_end().to_string();
+    Some(text).filter(|text| !text.is_empty())
 }
 
 #[cfg(test)]
@@ -63,8 +69,9 @@ mod tests {
         assert_eq!(texts(&received), ["tail of one", "whole"]);
         assert_eq!(received.iter().map(|l| l.cut).collect::<Vec<_>>(), [true, false]);
         assert_eq!(texts(&lines.take(b"un\n\xFF\n")), ["begun", "\u{FFFD}"]);
-        let _ = lines.take(b"lost");
-        lines.restart();
+        let _ = lines.take(b"unfin\r");
+        assert_eq!(lines.restart().as_deref(), Some("unfin"));
+        assert_eq!(lines.restart(), None);
         assert_eq!(lines.take(b"cut\n"), [Received { text: "cut".to_string(), cut: true }]);
     }
 

@@ -63,8 +63,20 @@ impl Place {
         opened.map_err(|error| InputError::new(self.remedy(&error)).within(self))
     }
 
+    /// Whether the address would be `HOST:PORT` if its number were smaller.
+    fn has_too_large_a_port(&self) -> bool {
+        let (Self::Serial(text) | Self::Tcp(text)) = self else { return false };
+        text.rsplit_once(':').is_some_and(|(host, port)| {
+            let is_number = !port.is_empty() && port.bytes().all(|byte| byte.is_ascii_digit());
+            !host.contains('/') && is_number && port.parse::<u16>().is_err()
+        })
+    }
+
     fn remedy(&self, error: &io::Error) -> String {
         match (self, error.kind()) {
+            (_, ErrorKind::NotFound | ErrorKind::InvalidInput) if self.has_too_large_a_port() => {
+                format!("the number of a port is {} at most", u16::MAX)
+            }
             (Self::Serial(_), ErrorKind::NotFound) => format!("no such port; {}", ports()),
             (Self::Serial(_), ErrorKind::PermissionDenied) => "no permission: become a member of \
                 the port's group (sudo usermod -aG dialout $USER) and log in again"

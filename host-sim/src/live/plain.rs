@@ -14,6 +14,8 @@ use super::place::Place;
 use super::port::{Input, Port};
 use super::save::Save;
 use super::state::State;
+use super::terminal::ASK_EVERY;
+use super::verdict::{SILENT_IF, silence};
 
 /// Form of an event's line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,24 +32,21 @@ pub enum Form {
 /// Standard output or the file cannot be written.
 pub fn run(place: &Place, port: &Port, form: Form, save: Option<Save>) -> Result<(), InputError> {
     let (state, lines) = (State::default(), Lines::default());
-    let mut list = List { state, lines, form, save, told: None };
+    let mut list = List { state, lines, form, save, told: None, asked: None, is_silent: false };
     let start = Instant::now();
     while !nobody_reads() {
-        let Some(input) = port.next(Duration::from_secs(1)) else { continue };
+        let input = port.next(Duration::from_secs(1));
         let now = start.elapsed();
-        match input {
-            Input::Up => {
-                list.up(place, now);
-                // Requests the rate and the number of the test.
-                port.say("status");
-            }
-            Input::Down(reason) => list.down(place, reason),
-            Input::Dropped(bytes) => list.drop(bytes, now),
-            Input::Bytes(bytes) => {
-                if !list.take(&bytes, now)? {
-                    break;
-                }
-            }
+        if let Some(input) = input
+            && !list.input(place, input, now)?
+        {
+            break;
+        }
+        if list.should_ask(now) {
+            port.say("status");
+        }
+        if let Some(words) = list.silence(now) {
+            say(&format!("{place}: {words}"));
         }
     }
     Ok(())
@@ -60,21 +59,75 @@ struct List {
     save: Option<Save>,
     /// Number of damaged lines reported on standard error; `None` before the first.
     told: Option<u64>,
+    /// Time of the last request since the port came up.
+    asked: Option<Duration>,
+    /// Whether the silence of the board was reported.
+    is_silent: bool,
 }
 
 impl List {
+    /// Handles an event of the port; returns whether standard output still has a reader.
+    fn input(&mut self, place: &Place, input: Input, now: Duration) -> Result<bool, InputError> {
+        match input {
+            Input::Up => self.up(place, now),
+            Input::Down(reason) => self.down(place, reason)?,
+            Input::Dropped(bytes) => self.drop(bytes, now)?,
+            Input::Bytes(bytes) => return self.take(&bytes, now),
+        }
+        Ok(true)
+    }
+
     fn up(&mut self, place: &Place, now: Duration) {
         if self.state.away.is_some() {
             say(&format!("{place}: there again"));
         }
         self.state.up(now);
-        self.lines.restart();
+        self.asked = None;
     }
 
-    fn drop(&mut self, bytes: u64, now: Duration) {
-        self.lines.restart();
+    /// Whether the board should be asked for its state now: when the port has come up, for the rate
+    /// and the number of the test, and after a while without a line, since a board without events
+    /// says nothing of its own.
+    fn should_ask(&mut self, now: Duration) -> bool {
+        let long_ago = |then: Duration| now.saturating_sub(then) > ASK_EVERY;
+        let quiet = |asked| long_ago(asked) && long_ago(self.state.heard);
+        let should = self.state.away.is_none() && self.asked.is_none_or(quiet);
+        if should {
+            self.asked = Some(now);
+        }
+        should
+    }
+
+    /// The words when a board falls silent, once, and when it speaks again.
+    fn silence(&mut self, now: Duration) -> Option<String> {
+        let was_silent = self.is_silent;
+        let silence = silence(&self.state, now);
+        self.is_silent = silence.is_some();
+        match silence {
+            Some(seconds) if !was_silent => {
+                Some(format!("the board is silent for {seconds} s: {SILENT_IF}"))
+            }
+            // A port that is gone or reopened was reported as such.
+            None if was_silent && self.state.away.is_none() => {
+                Some("the board speaks again".to_string())
+            }
+            _ => None,
+        }
+    }
+
+    fn drop(&mut self, bytes: u64, now: Duration) -> Result<(), InputError> {
+        self.keep_unfinished()?;
         self.state.drop(bytes, now);
         say(&format!("{} bytes so far came too fast and were left out", self.state.dropped));
+        Ok(())
+    }
+
+    /// Saves the beginning of a line whose rest will not come.
+    fn keep_unfinished(&mut self) -> Result<(), InputError> {
+        match (self.lines.restart(), &mut self.save) {
+            (Some(text), Some(save)) => save.line(&text),
+            _ => Ok(()),
+        }
     }
 
     /// Processes bytes; returns whether standard output still has a reader.
@@ -94,9 +147,10 @@ impl List {
         Ok(true)
     }
 
-    fn down(&mut self, place: &Place, reason: String) {
+    fn down(&mut self, place: &Place, reason: String) -> Result<(), InputError> {
         say(&format!("{place}: gone ({reason}); trying again"));
         self.state.down(reason);
+        self.keep_unfinished()
     }
 
     /// Reports damaged lines: at the first, tenth and hundredth.
@@ -148,4 +202,52 @@ fn plain(event: &Event, onset_s: f64) -> String {
         "event {index}  onset {onset_s:.3} s  mu_s {mu_s}  mu {mu}  Fs {fs:.1} N  Fp {fp:.1} N  \
          {quality}{reason}"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list() -> List {
+        let (state, lines) = (State::default(), Lines::default());
+        List {
+            state,
+            lines,
+            form: Form::Plain,
+            save: None,
+            told: None,
+            asked: None,
+            is_silent: false,
+        }
+    }
+
+    /// A board that says nothing is asked every few seconds, and reported once.
+    #[test]
+    fn silence_is_said_once_and_so_is_its_end() {
+        let (mut list, seconds) = (list(), Duration::from_secs);
+        list.up(&Place::parse("board:4004"), seconds(1));
+        let asked: Vec<u64> = (1..20).filter(|&s| list.should_ask(seconds(s))).collect();
+        assert_eq!(asked, [1, 7, 13, 19]);
+        let said: Vec<_> = (1..40).filter_map(|s| list.silence(seconds(s))).collect();
+        assert_eq!(said, ["the board is silent for 9 s: off, or another program has it"]);
+        list.take(b"\r\nI,here*0000\r\n", seconds(41)).unwrap();
+        assert_eq!(list.silence(seconds(41)), None, "a damaged line is no answer");
+        let line = floe_firmware::line::Line::Info("here").to_text().unwrap();
+        list.take(format!("{line}\r\n").as_bytes(), seconds(42)).unwrap();
+        assert_eq!(list.silence(seconds(42)).as_deref(), Some("the board speaks again"));
+        assert_eq!(list.silence(seconds(43)), None);
+    }
+
+    /// A port that is gone is reported as such, and its board is not asked.
+    #[test]
+    fn a_port_that_is_gone_is_not_silent() {
+        let (mut list, seconds) = (list(), Duration::from_secs);
+        let place = Place::parse("board:4004");
+        list.up(&place, seconds(0));
+        assert!(list.silence(seconds(10)).is_some());
+        list.down(&place, "closed".to_string()).unwrap();
+        assert_eq!((list.silence(seconds(30)), list.should_ask(seconds(30))), (None, false));
+        list.up(&place, seconds(31));
+        assert_eq!((list.silence(seconds(32)), list.should_ask(seconds(32))), (None, true));
+    }
 }

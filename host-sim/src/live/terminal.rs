@@ -25,7 +25,7 @@ const BATCH: usize = 16;
 /// Longest time between frames, for content that changes without input (clock, silence).
 const REDRAW: Duration = Duration::from_millis(500);
 /// Longest time between requests of the board's state; and the shortest after an event.
-const ASK_EVERY: Duration = Duration::from_secs(5);
+pub(super) const ASK_EVERY: Duration = Duration::from_secs(5);
 const ASK_AFTER_EVENT: Duration = Duration::from_secs(1);
 
 /// Shows the board until the user leaves.
@@ -89,7 +89,10 @@ impl<'a> Display<'a> {
                     match self.ask.key(key) {
                         Deed::None => {}
                         Deed::Say(command) => self.say(command),
-                        Deed::Quit => return Ok(()),
+                        Deed::Quit => {
+                            self.keep_unfinished(self.start.elapsed());
+                            return Ok(());
+                        }
                     }
                 }
             }
@@ -116,15 +119,17 @@ impl<'a> Display<'a> {
             match input {
                 Input::Up => {
                     self.state.up(now);
-                    self.lines.restart();
                     self.port.say(&clock_now());
                     self.port.say("live on");
                     self.question(now);
                 }
-                Input::Down(reason) => self.state.down(reason),
+                Input::Down(reason) => {
+                    self.state.down(reason);
+                    self.keep_unfinished(now);
+                }
                 Input::Bytes(bytes) => self.take(&bytes, now),
                 Input::Dropped(bytes) => {
-                    self.lines.restart();
+                    self.keep_unfinished(now);
                     self.state.drop(bytes, now);
                 }
             }
@@ -136,6 +141,13 @@ impl<'a> Display<'a> {
         for received in self.lines.take(bytes) {
             self.keep(&received.text, now);
             self.event_came |= self.state.take(&received, now).is_some();
+        }
+    }
+
+    /// Saves the beginning of a line whose rest will not come.
+    fn keep_unfinished(&mut self, now: Duration) {
+        if let Some(text) = self.lines.restart() {
+            self.keep(&text, now);
         }
     }
 

@@ -31,6 +31,8 @@ pub struct Verdict {
 
 /// Time without a line after which the board counts as off; it is polled every few seconds.
 pub const SILENCE: Duration = Duration::from_secs(8);
+/// Likely causes of silence.
+pub(super) const SILENT_IF: &str = "off, or another program has it";
 /// Time without a sample in a test that is a fault; samples come 16 times a second.
 const NO_SAMPLES: Duration = Duration::from_secs(3);
 /// Time for which a past event stays visible.
@@ -65,14 +67,13 @@ fn line(state: &State, now: Duration) -> Option<String> {
     if let Some(reason) = &state.away {
         return Some(format!("NO PORT ({reason}): check cable and power; trying again"));
     }
+    silence(state, now).map(|seconds| format!("THE BOARD IS SILENT for {seconds} s: {SILENT_IF}"))
+}
+
+/// Seconds of silence of an open port, once they are too many.
+pub(super) fn silence(state: &State, now: Duration) -> Option<u64> {
     let silence = now.saturating_sub(state.heard);
-    if silence > SILENCE {
-        let seconds = silence.as_secs();
-        return Some(format!(
-            "THE BOARD IS SILENT for {seconds} s: off, or another program has it"
-        ));
-    }
-    None
+    (state.away.is_none() && silence > SILENCE).then_some(silence.as_secs())
 }
 
 /// Problems of the load cell and its converter.

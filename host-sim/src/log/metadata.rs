@@ -63,6 +63,10 @@ pub struct Metadata {
     pub notes: Vec<Note>,
     /// Keys that come too late.
     late: Vec<String>,
+    /// Keys that the caller's options replace, so that the log may contradict itself there.
+    settled: Vec<&'static str>,
+    /// Those for which it does.
+    contradicted: Vec<String>,
 }
 
 /// A line with unused information.
@@ -86,10 +90,17 @@ pub struct Said {
 }
 
 impl Metadata {
+    /// Nothing stored yet; a contradiction about a key of `settled` is noted and no error.
+    #[must_use]
+    pub fn new(settled: &[&'static str]) -> Self {
+        Self { settled: settled.to_vec(), ..Self::default() }
+    }
+
     /// Stores the comment in line `number`; other lines that resemble one are noted.
     ///
     /// # Errors
-    /// A known key whose value is not a finite number, or contradicts an earlier line.
+    /// A known key whose value is not a finite number, or contradicts an earlier line and is not
+    /// settled.
     pub fn take(&mut self, line: &[u8], number: u64) -> Result<(), InputError> {
         let behind_mark = comment(line);
         let text = String::from_utf8_lossy(behind_mark.unwrap_or(line));
@@ -106,17 +117,40 @@ impl Metadata {
             return Ok(());
         };
         match self.line(&key) {
-            Some(first) if contradicted => Err(InputError::new(format!(
-                "'# {key}:' says {}, and line {first} says otherwise: cut the log there, or correct \
-                 the one that is wrong",
-                excerpt(value.as_bytes())
-            ))),
+            Some(first) if contradicted => self.contradict(&key, value, [first, number]),
             Some(_) => Ok(()),
             None => {
                 self.said.push(Said { key, value: value.to_string(), line: number });
                 self.weigh(number)
             }
         }
+    }
+
+    /// Handles a value that differs from that of an earlier line: an error, unless the caller's
+    /// option settles it.
+    fn contradict(&mut self, key: &str, value: &str, lines: [u64; 2]) -> Result<(), InputError> {
+        let ([first, number], value) = (lines, excerpt(value.as_bytes()));
+        if !self.settled.contains(&key) {
+            return Err(InputError::new(format!(
+                "'# {key}:' says {value}, and line {first} says otherwise: cut the log there, or \
+                 correct the one that is wrong"
+            )));
+        }
+        if !self.is_contradicted(key) {
+            self.contradicted.push(key.to_string());
+            let text = format!(
+                "line {number}: '# {key}:' says {value}, and line {first} says otherwise: neither is \
+                 used, as the command says it"
+            );
+            self.notes.push(Note { key: key.to_string(), text });
+        }
+        Ok(())
+    }
+
+    /// Whether the log gives two values of a key that the caller's options replace.
+    #[must_use]
+    pub fn is_contradicted(&self, key: &str) -> bool {
+        self.contradicted.iter().any(|it| it == key)
     }
 
     /// Stores the value of a key; returns whether another value was stored before, or `None` for an
@@ -156,7 +190,7 @@ impl Metadata {
     pub fn take_late(&mut self, line: &[u8], number: u64) -> Result<(), InputError> {
         let mut with = self.clone();
         with.take(line, number)?;
-        self.notes = with.notes;
+        (self.notes, self.contradicted) = (with.notes, with.contradicted);
         let Some(Said { key, value, .. }) = with.said.get(self.said.len()) else { return Ok(()) };
         if !self.late.contains(key) {
             let text = format!(
@@ -175,7 +209,8 @@ impl Metadata {
         let (weight, mass) = (self.line("weight_n"), self.line("mass_kg"));
         let (Some(weight), Some(mass)) = (weight, mass) else { return Ok(()) };
         let Some(of_mass_n) = sense::other_weight_n(weight_n, mass_kg) else { return Ok(()) };
-        if weight.max(mass) != number {
+        let is_settled = ["weight_n", "mass_kg"].iter().all(|key| self.settled.contains(key));
+        if weight.max(mass) != number || is_settled {
             return Ok(());
         }
         Err(InputError::new(format!(
@@ -332,6 +367,25 @@ mod tests {
         let (key, text) = ("slope_deg".to_string(), late.to_string());
         assert_eq!(metadata.notes, [Note { key, text }]);
         assert!(metadata.take_late(b"# weight_n: 700", 12).is_err());
+    }
+
+    #[test]
+    fn an_option_settles_what_the_log_contradicts() {
+        let mut metadata = Metadata::new(&["weight_n", "mass_kg"]);
+        for (line, number) in
+            [("# weight_n: 630", 2), ("# weight_n: 700", 3), ("# weight_n: 800", 4)]
+        {
+            metadata.take(line.as_bytes(), number).unwrap();
+        }
+        metadata.take(b"# mass_kg: 100", 5).unwrap();
+        let text = "line 3: '# weight_n:' says '700', and line 2 says otherwise: neither is used, as \
+                    the command says it";
+        assert_eq!(metadata.notes, [Note { key: "weight_n".into(), text: text.into() }]);
+        assert!(metadata.is_contradicted("weight_n") && !metadata.is_contradicted("mass_kg"));
+        metadata.take(b"# slope_deg: 1", 6).unwrap();
+        assert!(metadata.take(b"# slope_deg: 2", 7).is_err());
+        metadata.take_late(b"# mass_kg: 90", 20).unwrap();
+        assert_eq!((metadata.notes.len(), metadata.is_contradicted("mass_kg")), (2, true));
     }
 
     #[test]

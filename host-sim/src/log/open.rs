@@ -166,7 +166,7 @@ pub fn begin(
     mut lines: Lines,
     options: &LogOptions,
 ) -> Result<(Rows, Recognised), InputError> {
-    let mut metadata = Metadata::default();
+    let mut metadata = Metadata::new(&options.settled);
     let (layout, head) = match format {
         Format::Csv | Format::Floe => table(&mut lines, &mut metadata, options)?,
         Format::Toa5 => (toa5_layout(&mut lines, &mut metadata, options)?, Recognised::default()),

@@ -4,6 +4,7 @@ use super::Format;
 use super::number::{Decimal, Unit};
 use super::stamp::TimeUnit;
 use crate::error::InputError;
+use crate::replay::test::TestOptions;
 
 /// What a caller may say about a log; everything else is found in it.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -39,9 +40,20 @@ pub struct LogOptions {
     /// Array to read of a cr10 log [default: the only one, or the only one with seconds]
     #[arg(long, value_name = "ID")]
     pub array_id: Option<u32>,
+    /// Keys of the log's metadata that the command's other options replace, so that the log may
+    /// contradict itself there
+    #[arg(skip)]
+    pub settled: Vec<&'static str>,
 }
 
 impl LogOptions {
+    /// These options, with the keys that the options of a test replace.
+    #[must_use]
+    pub fn settled_by(&self, test: &TestOptions) -> Self {
+        let rate = self.rate_hz.map(|_| "rate_hz");
+        Self { settled: test.settles().chain(rate).collect(), ..self.clone() }
+    }
+
     /// Rejects options that a format cannot use.
     ///
     /// # Errors

@@ -21,6 +21,9 @@ pub struct BudgetLine {
     /// The stated standard deviation, where the slips show that the true one, `std`, is larger.
     #[serde(skip)]
     pub stated_std: Option<f64>,
+    /// Whether nothing has measured the input, so that its zeros mean only that nothing was seen.
+    #[serde(skip)]
+    pub is_unmeasured: bool,
     /// Effect on `mu_s`.
     pub mu_s: BudgetShare,
     /// Effect on `mu`.
@@ -45,9 +48,23 @@ pub fn lines(config: &Config, report: &Report) -> Vec<BudgetLine> {
 }
 
 impl BudgetLine {
-    /// The remark for a reader: a stated value that was widened.
+    /// The line as it is printed: what was not measured has no numbers, which would read as none.
+    #[must_use]
+    pub fn printed(&self) -> Self {
+        let hide = |share: BudgetShare| BudgetShare {
+            contribution: share.contribution.filter(|_| !self.is_unmeasured),
+            ..share
+        };
+        let std = self.std.filter(|_| !self.is_unmeasured);
+        Self { std, mu_s: hide(self.mu_s), mu: hide(self.mu), ..self.clone() }
+    }
+
+    /// The remark for a reader: a stated value that was widened, or what was not measured.
     #[must_use]
     pub fn remark(&self) -> Option<String> {
+        if self.is_unmeasured {
+            return Some("not measured, and none is seen: take the zero before and after".into());
+        }
         let stated = self.stated_std.map(own_digits)?;
         Some(format!("stated {stated}, widened by what the slips show"))
     }
@@ -67,6 +84,8 @@ fn line(entry: Entry, config: &Config) -> BudgetLine {
         std: known(entry.std).filter(|_| !is_unknown),
         // A difference below 1 % would not show.
         stated_std: known(stated.filter(|&stated| entry.std > Some(1.01 * stated))),
+        // Where both zeros are given, the replay corrects this.
+        is_unmeasured: entry.input == Input::ZeroDrift && entry.std == Some(0.0),
         mu_s,
         mu,
     }

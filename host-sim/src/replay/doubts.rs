@@ -12,9 +12,6 @@ use crate::rounding::plus_minus;
 const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
 /// Recurrence in samples below which a slip may be an alias of several faster ones.
 const FAST: f64 = 16.0;
-/// Relative difference of the two stiffnesses below which a cable that sags and flops, which
-/// `sag_flop` shows, may explain it.
-const OTHER_STIFFNESS: f64 = 0.07;
 
 /// The doubts, one sentence each; `sags`: whether the cable sags.
 #[must_use]
@@ -90,14 +87,11 @@ fn no_friction(log: &Log, config: &Config, report: &Report) -> Option<String> {
 fn other_stiffness(config: &Config, report: &Report) -> Option<String> {
     let quantities = Quantities::new(config, report);
     let (ratio, std) = quantities.stiffness_ratio.zip(quantities.stiffness_ratio_std)?;
-    let far = (ratio - 1.0).abs() > OTHER_STIFFNESS;
-    (far && quantities.disagree()).then(|| {
-        format!(
-            "the stiffness from the winch speed is {} of that from omega and the weight: weight or \
-             winch speed is wrong, or friction changes along the slip, or the sampling is too slow",
-            plus_minus(ratio, std)
-        )
-    })
+    let suspects = quantities.check()?.suspects()?;
+    let ratio = plus_minus(ratio, std);
+    Some(format!(
+        "the stiffness from the winch speed is {ratio} of that from omega and the weight: {suspects}"
+    ))
 }
 
 /// Slips that may be aliases of faster ones, where the speed of the winch is not known.

@@ -161,6 +161,9 @@ impl<'a> Gathered<'a> {
         }
         let stretches = stretches.with_changes(&result.changes, config);
         let mut result = ReplayResult { effects, stretches, ..result };
+        if known.both_zeros(&log.metadata().known).is_some() {
+            result.budget.iter_mut().for_each(|line| line.is_unmeasured = false);
+        }
         let doubts = doubts::doubts(log, (config, known), &report, result.sags());
         result.log.warnings = [log.warnings(), doubts, self.rails.warnings()].concat();
         Ok(result)

@@ -166,7 +166,8 @@ fn weighed_by(log: &Log, known: &KnownOptions) -> Option<String> {
 
 /// The sentence: the number in use, and the line of the log that it replaces.
 fn as_given(log: &Log, key: &str, used: &str) -> Option<String> {
-    let there = log.metadata().first(key)?;
+    // A log that contradicts itself was reported with both lines.
+    let there = log.metadata().first(key).filter(|_| !log.metadata().is_contradicted(key))?;
     let (value, line) = (&there.value, there.line);
     Some(format!("{used} as given, not the '# {key}: {value}' of line {line}"))
 }

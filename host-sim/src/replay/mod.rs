@@ -8,6 +8,7 @@ use crate::log::{Log, Sample};
 pub mod abridged;
 pub mod batches;
 pub mod budget;
+pub mod check;
 pub mod doubts;
 pub mod event_rows;
 pub mod events;

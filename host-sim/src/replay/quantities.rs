@@ -3,6 +3,7 @@
 use floe_core::{Config, Estimate, Losses, Quantity, Report};
 use serde::Serialize;
 
+use super::check::Check;
 use super::events::Events;
 use super::result::{EventSummary, known, short_or_null};
 use super::slide::{Slide, Unsure};
@@ -173,12 +174,11 @@ impl Quantities {
         }
     }
 
-    /// Whether the two stiffnesses differ by more than three standard deviations: then weight,
-    /// winch speed or the slips are wrong.
+    /// What the ratio of the two stiffnesses tells; `None` without it.
     #[must_use]
-    pub fn disagree(&self) -> bool {
-        let ratio = self.stiffness_ratio.zip(self.stiffness_ratio_std);
-        ratio.is_some_and(|(ratio, std)| (ratio - 1.0).abs() > 3.0 * std)
+    pub fn check(&self) -> Option<Check> {
+        let (ratio, std) = self.stiffness_ratio.zip(self.stiffness_ratio_std)?;
+        Some(Check::of(ratio, std))
     }
 
     /// Quantities of a test that is still running, from one event and the winch speed.

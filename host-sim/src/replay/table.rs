@@ -4,6 +4,8 @@ use std::fmt::Write;
 use std::io;
 
 use super::abridged::abridged;
+use super::budget::BudgetLine;
+use super::check::Check;
 use super::doubts::has_no_force;
 use super::result::{
     CoefficientSummary, EffectSummary, EventSummary, LogSummary, ParameterSummary, ReplayResult,
@@ -214,10 +216,9 @@ type Quantity = (&'static str, Option<f64>, Option<f64>, &'static str);
 
 fn measured(result: &ReplayResult) -> [Quantity; 9] {
     let q = &result.quantities;
-    let checks = match (result.sags(), q.disagree()) {
-        (true, _) => "of the two: a cable that sags is softer in the slip",
-        (false, true) => "of the two: they disagree",
-        (false, false) => "of the two: checks both",
+    let checks = match q.check() {
+        _ if result.sags() => "of the two: a cable that sags is softer in the slip",
+        check => check.map_or("", Check::remark),
     };
     [
         ("loading rate", q.loading_rate_n_per_s, q.loading_rate_n_per_s_std, "N/s"),
@@ -272,7 +273,7 @@ fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
         "budget", "value", "std", "mu_s by 1", "mu_s ±", "share", "mu by 1", "mu ±", "share"
     )?;
     let estimate = &result.estimate;
-    for line in &result.budget {
+    for line in result.budget.iter().map(BudgetLine::printed) {
         write!(out, "{:<14}{:>10}{:>10}", line.input, number(line.value), small(line.std))?;
         for (share, mean) in [(&line.mu_s, &estimate.mu_s), (&line.mu, &estimate.mu)] {
             let (by, percent) = (number(share.sensitivity), percent(share.contribution, mean));

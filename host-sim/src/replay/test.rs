@@ -6,7 +6,7 @@ use crate::error::InputError;
 use crate::log::metadata::Note;
 use crate::log::{Log, STANDARD_GRAVITY, Unit};
 use crate::replay::input::Input;
-use crate::replay::known::KnownOptions;
+use crate::replay::known::{KnownMetadata, KnownOptions};
 
 /// What the caller says about the test.
 // A default in brackets, as every help has it, is no link.
@@ -187,6 +187,28 @@ impl TestOptions {
         ];
         let own = own.map(|(key, given, said)| Input { key, given, said });
         own.into_iter().chain(self.known.inputs(&said.known))
+    }
+}
+
+impl TestOptions {
+    /// Keys of a log that these options replace.
+    pub fn settles(&self) -> impl Iterator<Item = &'static str> {
+        let is_weighed = self.weight_n.or(self.mass_kg).is_some();
+        let own = [
+            ("weight_n", is_weighed || self.normal_n.is_some()),
+            ("mass_kg", is_weighed),
+            ("normal_n", self.normal_n.or(self.weight_n).is_some()),
+            ("slope_deg", self.slope_deg.is_some()),
+            ("winch_m_per_s", self.winch_m_per_s.is_some()),
+            ("range_n", self.range_n.is_some()),
+            ("effects", self.effects.is_some()),
+            ("tare_counts", self.tare_counts.is_some()),
+            ("counts_per_n", self.counts_per_n.is_some()),
+            ("weight_from", self.known.weight_from.is_some()),
+        ];
+        let known = self.known.inputs(&KnownMetadata::default());
+        let known = known.map(|input| (input.key, input.given.is_some()));
+        own.into_iter().chain(known).filter(|(_, is_given)| *is_given).map(|(key, _)| key)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::number::{decimals_for, fixed, significant};
 use super::svg::escape;
-use crate::replay::budget::BudgetShare;
+use crate::replay::budget::{BudgetLine, BudgetShare};
 use crate::replay::result::{CoefficientSummary, ReplayResult};
 use crate::rounding::{own_digits, part_of};
 
@@ -13,7 +13,7 @@ pub(super) fn budget(result: &ReplayResult) -> String {
     }
     let means = [&result.estimate.mu_s, &result.estimate.mu];
     let mut rows = String::new();
-    for line in &result.budget {
+    for line in result.budget.iter().map(BudgetLine::printed) {
         let shares = [&line.mu_s, &line.mu].into_iter().zip(means);
         let shares: String = shares.map(|(share, mean)| cells(share, mean)).collect();
         rows.push_str(&format!(
@@ -82,7 +82,6 @@ fn name(input: &str) -> &str {
 mod tests {
     use super::super::sample_log::SampleLog;
     use super::*;
-    use crate::replay::budget::BudgetLine;
 
     #[test]
     fn shares_are_of_the_combined_variance() {
@@ -95,11 +94,17 @@ mod tests {
             value: Some(630.0),
             std: Some(1.9),
             stated_std: Some(1.0),
+            is_unmeasured: false,
             mu_s: BudgetShare::default(),
             mu: half,
         });
         let table = budget(&result);
         assert!(table.contains("weight, N") && table.contains("25.0 %"), "{table}");
         assert!(table.contains("<small>stated 1.0, widened by what the slips show</small>"));
+        result.budget[0].is_unmeasured = true;
+        let table = budget(&result);
+        let row = table.lines().find(|row| row.contains("weight, N")).unwrap();
+        assert!(row.contains("<small>not measured, and none is seen: "), "{row}");
+        assert!(!row.contains("25.0 %") && !row.contains("1.9"), "{row}");
     }
 }

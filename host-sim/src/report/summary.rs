@@ -4,6 +4,7 @@ use super::budget::budget;
 use super::number::{count, decimals_of_error, fixed, quantity, significant};
 use super::svg::escape;
 use crate::replay::abridged::abridged;
+use crate::replay::check::Check;
 use crate::replay::result::{CoefficientSummary, ReplayResult, zero_sentence};
 use crate::replay::stretches::{NotUnderstood, SteadySummary};
 use crate::rounding::{LEAST, own_digits, part_of, plus_minus};
@@ -126,7 +127,7 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
 /// Quantities of cable, winch and slips.
 fn derived(result: &ReplayResult) -> Vec<Fact> {
     let q = &result.quantities;
-    let disagree = q.disagree() && !result.sags();
+    let disagree = q.check().is_some_and(Check::is_asked) && !result.sags();
     let hertz = q.omega_rad_per_s.map_or_else(String::new, |omega| {
         format!(" <small>{} Hz</small>", significant(omega / std::f64::consts::TAU))
     });

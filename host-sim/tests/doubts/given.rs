@@ -145,3 +145,23 @@ fn a_weight_that_is_not_read_is_named() {
         "weight is not known: line 1: 'weight_n=630' is not read: write '# weight_n: 630'";
     assert_refused(&floe(&["replay", path]), &[missing]);
 }
+
+/// A log that gives two weights is refused, unless the command gives the weight.
+#[test]
+fn an_option_settles_a_contradiction_of_the_log() {
+    let path = directory("settled").join("two.csv");
+    let path = path.to_str().unwrap();
+    let log = fs::read_to_string("logs/dff8-13.csv").unwrap();
+    let (weight, rest) = log.split_once("\ntime_s,force_n\n").unwrap();
+    let head = weight.lines().filter(|line| !line.contains("weight_n")).collect::<Vec<_>>();
+    let two = format!("# weight_n: 630\n# weight_n: 700\n{}", head.join("\n"));
+    fs::write(path, format!("{two}\ntime_s,force_n\n{rest}")).unwrap();
+    let both = ["'# weight_n:' says '700'", "line 1 says otherwise", "line 2:"];
+    assert_refused(&floe(&["replay", path]), &both);
+    assert_refused(&floe(&["replay", path, "--slope-deg", "0"]), &both);
+    for weight in [["--weight-n", "630"], ["--mass-kg", "64.242"]] {
+        let said = json_with_warnings(&floe(&["replay", path, "--json", weight[0], weight[1]]));
+        assert!(said.contains("line 2: '# weight_n:' says '700', and line 1 says other"), "{said}");
+        assert!(!said.contains("as given"), "{said}");
+    }
+}

@@ -65,14 +65,36 @@ fn a_weight_that_the_winch_contradicts_is_asked_about() {
         let summary = floe(&["replay", &path, "--weight-n", weight, "--summary"]);
         (json, text(&summary.stdout))
     };
-    let (asked, line) = said("700");
-    assert!(asked.contains("the stiffness from the winch speed is 0.8"), "{asked}");
+    for weight in ["570", "700"] {
+        let (asked, line) = said(weight);
+        assert!(asked.contains("weight or winch speed may be wrong by that much, or"), "{asked}");
+        assert!(line.contains("of the two: differ by more than their ±"), "{line}");
+    }
+    let (asked, line) = said("800");
+    assert!(asked.contains("the stiffness from the winch speed is 0.7"), "{asked}");
+    assert!(asked.contains("weight or winch speed is wrong, or"), "{asked}");
     assert!(line.contains("of the two: they disagree") && !line.contains("checks both"), "{line}");
     let (told, line) = said("630");
     assert!(
         !told.contains("stiffness") && line.contains("of the two: checks both"),
         "{told} {line}"
     );
+}
+
+/// With right inputs, errors that shift omega by more than its ± accuse neither weight nor winch.
+#[test]
+fn slips_that_are_no_ellipses_accuse_no_input() {
+    let path = directory("no-ellipses").join("pull.csv").to_str().unwrap().to_string();
+    for scene in ["jitter_10", "lag_30", "rocking", "jitter_2", "base"] {
+        for seed in ["1", "2", "3", "4"] {
+            let toml = format!("scenes/honesty/{scene}.toml");
+            let made = floe(&["simulate", &toml, "--seed", seed, "-o", &path]);
+            assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+            let said = floe(&["replay", &path, "--summary"]);
+            assert!(!text(&said.stderr).contains("is wrong"), "{}", text(&said.stderr));
+            assert!(!text(&said.stdout).contains("disagree"), "{}", text(&said.stdout));
+        }
+    }
 }
 
 /// A slip every few samples may be an alias of faster slips: only the speed of the winch decides.

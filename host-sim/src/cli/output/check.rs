@@ -46,6 +46,7 @@ pub fn check_log(log: &Path, beside: &[&Path], inputs: &[&Path]) -> Result<Older
 
 /// Rejects outputs that cannot be written, or are read or written already.
 fn apart(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
+    refuse_own_output(inputs)?;
     let standard = ["/dev/stdin", "/dev/stdout"].map(Path::new);
     let taken = inputs.iter().copied().chain(standard);
     let mut taken: Vec<Identity> = taken.filter_map(Identity::of).collect();
@@ -54,9 +55,7 @@ fn apart(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
         if path.is_dir() {
             refuse(path, "is a directory; name a file to write")?;
         }
-        if !directory(path).is_dir() {
-            refuse(path, "its directory does not exist; make it first")?;
-        }
+        refuse_nowhere(path)?;
         if let Some(identity) = Identity::of(path) {
             if taken.contains(&identity) {
                 let why = "is read or written already by this command; name another output";
@@ -69,6 +68,20 @@ fn apart(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
     Ok(Older(outputs.iter().filter_map(older).collect()))
 }
 
+/// Rejects an input to which standard output is appended, as in `floe replay x.csv >> x.csv`.
+fn refuse_own_output(inputs: &[&Path]) -> Result<(), InputError> {
+    let out = Path::new("/dev/stdout");
+    let Some(own) = Identity::of(out).filter(|_| out.is_file()) else { return Ok(()) };
+    let read = |path: &Path| match path == Path::new(STANDARD) {
+        true => Identity::of(Path::new("/dev/stdin")),
+        false => Identity::of(path),
+    };
+    match inputs.iter().find(|path| read(path).as_ref() == Some(&own)) {
+        Some(path) => refuse(path, "is where standard output goes; send that to another file"),
+        None => Ok(()),
+    }
+}
+
 fn refuse(path: &Path, why: &str) -> Result<(), InputError> {
     Err(InputError::new(why).within(path.display()))
 }
@@ -78,6 +91,17 @@ fn kind(path: &Path) -> Option<&'static str> {
     match path.exists() {
         true => path.is_file().then_some("file"),
         false => path.is_symlink().then_some("link to nowhere"),
+    }
+}
+
+/// Rejects a file or folder in a directory that does not exist.
+///
+/// # Errors
+/// There is no such directory.
+pub fn refuse_nowhere(path: &Path) -> Result<(), InputError> {
+    match directory(path).is_dir() {
+        true => Ok(()),
+        false => refuse(path, "its directory does not exist; make it first"),
     }
 }
 
@@ -94,8 +118,8 @@ pub fn refuse_standard(path: &Path) -> Result<(), InputError> {
     ))
 }
 
-/// Rejects a folder that cannot be created, or that would be created at the path of one of
-/// `outputs`.
+/// Rejects a folder that cannot be created, that would be created at the path of one of `outputs`,
+/// or whose own directory does not exist.
 ///
 /// # Errors
 /// The file or output at that path.
@@ -111,7 +135,7 @@ pub fn check_folder(folder: &Path, outputs: &[&Path]) -> Result<(), InputError> 
             "is written already by this command as a file; name another directory",
         );
     }
-    Ok(())
+    refuse_nowhere(folder)
 }
 
 /// Identity of a file, on any path.

@@ -15,7 +15,7 @@ use std::path::Path;
 use crate::error::{InputError, printable_line, printable_text};
 
 pub use behind::Behind;
-pub use check::{Older, check, check_folder, check_log, refuse_standard};
+pub use check::{Older, check, check_folder, check_log, refuse_nowhere, refuse_standard};
 pub use write::{make_folder, replace, stream};
 
 /// A line over everything else of a log that was computed; nothing for a measured one.

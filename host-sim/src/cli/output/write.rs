@@ -11,12 +11,15 @@ use crate::error::InputError;
 use super::behind::{self, Behind};
 use super::directory;
 
-/// Makes a folder for outputs, if it is not there.
+/// Makes a folder for outputs, if it is not there, and none above it.
 ///
 /// # Errors
 /// It cannot be made.
 pub fn make_folder(folder: &Path) -> Result<(), InputError> {
-    fs::create_dir_all(folder)
+    if folder.is_dir() {
+        return Ok(());
+    }
+    fs::create_dir(folder)
         .map_err(|e| InputError::new(format!("cannot be made: {e}")).within(folder.display()))
 }
 

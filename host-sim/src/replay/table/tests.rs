@@ -24,6 +24,7 @@ fn weight() -> BudgetLine {
         value: Some(630.0),
         std: Some(0.2),
         stated_std: None,
+        is_unmeasured: false,
         mu_s: share(-0.001_968),
         mu: share(-0.001_238),
     }
@@ -157,6 +158,19 @@ fn a_deviation_that_was_widened_is_said_at_its_row() {
     let said = text(&result).unwrap();
     let row = said.lines().find(|line| line.starts_with("weight_n")).unwrap();
     assert!(row.ends_with("%   stated 0.10, widened by what the slips show"), "{row}");
+}
+
+#[test]
+fn what_was_not_measured_has_no_numbers() {
+    let mut result = result(vec![event()]);
+    result.budget[0].is_unmeasured = true;
+    let said = text(&result).unwrap();
+    let row = said.lines().find(|line| line.starts_with("weight_n")).unwrap();
+    assert_eq!(
+        row,
+        "weight_n           630.0         -      -0.00197          -      -      -0.00124          -      \
+         -   not measured, and none is seen: take the zero before and after"
+    );
 }
 
 #[test]
