@@ -12,7 +12,7 @@ const SMALL: f64 = 0.07;
 /// .12, and beyond .13 within three of its standard errors.
 const OF_SLIPS: f64 = 0.13;
 
-/// What the ratio of the two stiffnesses tells of the inputs.
+/// Verdict of the ratio of the two stiffnesses on the inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Check {
     /// They agree within their standard errors.

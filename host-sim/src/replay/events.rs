@@ -15,13 +15,14 @@ use super::recurrence::Recurrence;
 use super::result::{CoefficientSummary, EventSummary};
 use crate::log::start::Start;
 
-/// The file is in memory up to so many bytes.
+/// Size, bytes, up to which the file is kept in memory.
 const IN_MEMORY: usize = 1 << 20;
 /// Events of a long log that are kept from its beginning and from its end.
 const ENDS: usize = 256;
 /// Most events that are kept in between.
 const MOST: usize = 1 << 13;
-/// They are kept in rows of so many: what is drawn of an event reaches to its neighbours.
+/// Consecutive events of a row; rows are kept whole, since the figure of an event shows its
+/// neighbours.
 const ROW: usize = 8;
 /// More than the bytes of an event.
 const LONGEST: usize = 1024;
@@ -39,7 +40,7 @@ pub struct Events {
     /// Of the last ones of a long log some are empty.
     pub(crate) means: Vec<Means>,
     last: VecDeque<(EventSummary, Means)>,
-    /// One row of so many is kept.
+    /// Of this number of rows one is kept.
     stride: usize,
     left_out: usize,
     left_out_odd: usize,
@@ -143,8 +144,8 @@ impl Events {
         }
     }
 
-    /// That was the last, with these means. `quantities` give every event what only the whole
-    /// test tells.
+    /// Ends with the means after the last event. `quantities` complete every event with what needs
+    /// the whole test.
     pub fn finish(&mut self, quantities: Quantities, last: Means) {
         let (events, means): (Vec<_>, Vec<_>) = std::mem::take(&mut self.last).into_iter().unzip();
         self.kept.extend(events);
@@ -184,7 +185,7 @@ impl Events {
         })
     }
 
-    /// The same without what only the whole test tells.
+    /// Every event as it was kept, without what needs the whole test.
     pub(super) fn for_each_as_kept(
         &self,
         mut take: impl FnMut(EventSummary) -> io::Result<()>,
@@ -205,7 +206,7 @@ impl Events {
 struct Bytes<R> {
     file: R,
     buffer: Vec<u8>,
-    /// So many of them are used.
+    /// Number of bytes of the buffer that are used.
     used: usize,
 }
 

@@ -117,7 +117,7 @@ impl<'a> Gathered<'a> {
             self.add(&stretch);
         }
         let report = self.pipeline.report();
-        // The last events may have told one, after the last step.
+        // The last events, which come after the last step, may have shown a change.
         if let Some(change) = &report.change
             && self.changes.last().is_none_or(|it| it.event != change.event)
         {

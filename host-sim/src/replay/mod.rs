@@ -79,8 +79,8 @@ pub fn replay_with(
     gathered.result(path, log, &known)
 }
 
-/// An event that just came without the losses of the cable: what they are the whole test tells,
-/// with [`floe_core::Losses::put_on`].
+/// A new event without the losses of the cable. The whole test determines them; they are added at the
+/// end, with [`floe_core::Losses::put_on`].
 #[must_use]
 pub fn without_losses(pipeline: &Pipeline, event: Event) -> Event {
     let [mu_s, mu] = pipeline.losses().taken_off([event.mu_s, event.mu]);

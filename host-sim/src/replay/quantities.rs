@@ -174,7 +174,7 @@ impl Quantities {
         }
     }
 
-    /// What the ratio of the two stiffnesses tells; `None` without it.
+    /// Verdict on the ratio of the two stiffnesses; `None` without a ratio.
     #[must_use]
     pub fn check(&self) -> Option<Check> {
         let (ratio, std) = self.stiffness_ratio.zip(self.stiffness_ratio_std)?;

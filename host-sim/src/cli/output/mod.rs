@@ -1,8 +1,8 @@
 //! Writing results: never half a file, never over an input, and nothing to a terminal
 //! that is not text.
 //!
-//! One rule for every command: before any work [`check()`] refuses what must not be replaced; an
-//! older result is, once the new one is complete ([`stream`]), and [`Older::tell`] says so.
+//! One rule for every command: before any work [`check()`] refuses files that must not be replaced.
+//! An older result is replaced once the new one is complete ([`stream`]), and [`Older::tell`] says so.
 
 mod behind;
 mod check;
@@ -60,7 +60,7 @@ pub fn nobody_reads() -> bool {
     poll(&mut asked, Some(&at_once)).is_ok() && asked.iter().any(|it| it.revents().intersects(gone))
 }
 
-/// Only a write tells.
+/// Always false: on other systems only a failed write shows it.
 #[cfg(not(unix))]
 #[must_use]
 pub fn nobody_reads() -> bool {
@@ -93,7 +93,7 @@ pub fn warn(path: &str, warnings: &[String]) {
     }
 }
 
-/// Puts a line on standard error; if nobody can read it there, there is nobody to tell.
+/// Puts a line on standard error. A failure is ignored: nobody reads it.
 pub fn tell(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }

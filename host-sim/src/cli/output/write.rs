@@ -95,7 +95,7 @@ impl Unfinished {
 impl Drop for Unfinished {
     fn drop(&mut self) {
         if let Ok(mut all) = UNFINISHED.lock() {
-            // Renamed, if all went well; what went wrong is told by the first error.
+            // After a success it has been renamed; after a failure the first error is reported.
             let _ = fs::remove_file(&self.0);
             all.remove(&self.0);
         }
