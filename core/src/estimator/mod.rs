@@ -17,7 +17,8 @@
 //!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; `m_w` is the best mean for
 //!   small `τ²`, `m_1` for large `τ²`;
 //! - errors that are common to the events do not average out: the mean keeps their mean size
-//!   ([`Common`]), given apart from the random ones;
+//!   ([`Common`]), given apart from the random ones. While no parameter of the model has moved a
+//!   coefficient, the size that the newest events state holds for all;
 //! - variance of `m` from the same weights, times `1 + 2 Σ ρ_k` with the correlations
 //!   `ρ_k` of the events in order, and degrees of freedom divided by that: two neighbours share the
 //!   stick line between them, and real friction wanders.
@@ -41,24 +42,26 @@ pub struct Common {
     /// By assumptions that all events need where samples are few. The least precise events show
     /// this part, and the others rest on it as well: it has the same weight in every event.
     pub granted: f32,
-    /// Have the parameters moved the coefficients? If those of no event, all coefficients rest on
-    /// the same assumptions, and what the newest events say of the parameters holds for all.
+    /// Have the parameters moved the coefficient? While they have moved none, all coefficients rest
+    /// on the same assumptions, and the newest and best knowledge of the parameters holds for all.
     pub moved: bool,
 }
 
-/// Number of the newest events that say what all have in common.
+/// Number of the newest events whose shared part holds for all. Tuned: with 16 the means of 400
+/// records of dff8-13 scatter by .89 of their standard deviations, with 8 by .92.
 const RECENT: f32 = 8.0;
 
 impl Common {
-    /// Moves these means by the part `share` towards an event's; the shared part by more where the
-    /// newest events count.
+    /// Moves these means by the part `share` towards an event's, and the shared part by
+    /// [`Self::newest`].
     fn follow(&mut self, event: Self, share: f32) {
         self.moved |= event.moved;
         self.granted += share * (event.granted - self.granted);
         self.shared += self.newest(share) * (event.shared - self.shared);
     }
 
-    /// Share of the newest event in the shared part: `share`, or more where the newest events count.
+    /// Weight of the newest event in the shared part: `share`, or that of a running mean over
+    /// [`RECENT`] events while no parameter has moved a coefficient.
     fn newest(&self, share: f32) -> f32 {
         if self.moved { share } else { larger(share, 1.0 / RECENT) }
     }
@@ -316,6 +319,9 @@ mod tests {
         // Σ w c / Σ w and Σ c / n.
         let shared = of(Common { shared: 0.01, granted: 0.0, moved: true });
         assert!((shared / 5e-6 - 1.0).abs() < 0.01, "{shared}");
+        // No parameter has moved a coefficient: the sixty events that share nothing hold for all.
+        let newest = of(Common { shared: 0.01, granted: 0.0, moved: false });
+        assert!(newest < 1e-5, "{newest}");
         let granted = of(Common { shared: 0.0, granted: 0.01, moved: false });
         assert!((granted / (0.03 / 63.0) - 1.0).abs() < 0.01, "{granted}");
     }

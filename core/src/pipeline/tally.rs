@@ -47,17 +47,12 @@ impl Pipeline {
         let rest = event.stick_s.map_or(f32::MAX, |rest_s| rest_s * rate_hz);
         let granted = granted(event.quality, rest);
         let moved = event.quality == Quality::Unresolved || self.cycles.found() != Effects::NONE;
-        if let Some(it) = mu_s {
-            self.mu_s.add_with_common(
-                it,
-                Common { shared: common.0, granted: granted.0 * it.std, moved },
-            );
-        }
-        if let Some(it) = mu {
-            self.mu.add_with_common(
-                it,
-                Common { shared: common.1, granted: granted.1 * it.std, moved },
-            );
+        let means = [(&mut self.mu_s, mu_s), (&mut self.mu, mu)];
+        let parts = [(common.0, granted.0), (common.1, granted.1)];
+        for ((mean, it), (shared, granted)) in means.into_iter().zip(parts) {
+            if let Some(it) = it {
+                mean.add_with_common(it, Common { shared, granted: granted * it.std, moved });
+            }
         }
         self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
         if mu_s.or(mu).is_some() {
@@ -86,4 +81,18 @@ fn granted(quality: Quality, rest: f32) -> (f32, f32) {
         Quality::Unresolved | Quality::Slack => 1.0 / 3.0,
     };
     (math::larger(least, WITHOUT_REST * (1.0 - rest / LINE_SAMPLES)), least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_mu_s_depends_on_other_events_after_a_brief_rest() {
+        let (of_mu_s, of_mu) = granted(Quality::Good, 1.5);
+        assert!(of_mu_s > 0.36 && of_mu <= 0.0, "{of_mu_s} {of_mu}");
+        assert!(granted(Quality::Good, 6.0).0 <= 0.0);
+        let (of_mu_s, of_mu) = granted(Quality::Slack, 1.5);
+        assert!(of_mu_s > of_mu && of_mu > 0.3, "{of_mu_s} {of_mu}");
+    }
 }
