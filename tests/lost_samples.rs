@@ -25,6 +25,7 @@ fn a_few_lost_samples_make_no_event_wrong_and_sure() {
         ("hard/unresolved", 30.0, 340..450),
         ("honesty/short_slips", 30.0, 340..450),
         ("hard/slack", 30.0, 5..110),
+        ("linear/light", 30.0, 5..110),
     ];
     let mut judged = 0;
     for (name, duration_s, places) in cases {

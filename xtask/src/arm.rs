@@ -154,7 +154,7 @@ fn prepare_debian() -> Result<()> {
 
 /// Options of LLVM that make the image small. Each number is the bytes of the image saved, with
 /// Rust 1.95.0.
-const SMALL: [&str; 13] = [
+const SMALL: [&str; 14] = [
     // Calls small functions instead of inlining them; unrolls only loops over the six unknowns.
     "--inline-threshold=6",
     "--unroll-full-max-count=6",
@@ -176,6 +176,9 @@ const SMALL: [&str; 13] = [
     // Spills registers where it takes the fewest bytes, and merges copies on split edges: 150 and 44.
     "--split-spill-mode=size",
     "--join-splitedges",
+    // Jumps over instructions instead of making them conditional: 80, and a step is half a percent
+    // faster.
+    "--ifcvt-limit=0",
     // Not used: outlining of repeated code (`--enable-machine-outliner=always`) costs 5 % of the
     // time, unrotated loops (`--rotation-max-header-size=0`, 1150 bytes) 26 %.
 ];

@@ -277,7 +277,7 @@ pub(crate) fn is_clear(posterior: &Posterior) -> bool {
 pub(crate) fn is_strained(data: &Data<'_>, around_n2: f32, noise_n2: f32) -> bool {
     const STRAINED: f32 = 10.0;
     // The lines are two observations each.
-    let observations = data.samples.good().count() as f32 + 4.0;
+    let observations = data.samples.count() as f32 + 4.0;
     around_n2 > STRAINED * observations * noise_n2
 }
 
@@ -299,5 +299,5 @@ pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
         unknowns -= prior.weight * variance;
     }
     let lines = data.before.count.min(2) as f32 + data.after.weight;
-    (larger(squares, 0.0), data.samples.good().count() as f32 + lines - unknowns)
+    (larger(squares, 0.0), data.samples.count() as f32 + lines - unknowns)
 }

@@ -39,7 +39,7 @@ impl<'a> Samples<'a> {
     /// sample, wherever samples are missing. Before the first if there is none.
     #[must_use]
     pub(crate) fn end(&self) -> f32 {
-        self.start + self.good().count() as f32 - 1.0
+        self.start + self.count() as f32 - 1.0
     }
 
     /// Weight of a sample at a time.
@@ -49,6 +49,12 @@ impl<'a> Samples<'a> {
 
     fn steepness(&self, time: f32) -> f32 {
         steepness((time - self.slip.0) / (self.slip.1 - self.slip.0))
+    }
+
+    /// Number of the valid samples.
+    #[inline(never)]
+    pub(crate) fn count(&self) -> usize {
+        self.forces_n.iter().filter(|force_n| !force_n.is_nan()).count()
     }
 
     /// Times, periods, and forces, N, of the valid samples.

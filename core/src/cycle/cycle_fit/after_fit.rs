@@ -111,8 +111,7 @@ impl CycleFit {
             posterior.common_n2 = fit.wider_n2(noise_n2);
         }
         let is_resolved = posterior.is_resolved();
-        // Until earlier events determine the length of a slip, missing samples make it look longer.
-        if !learnt.knows_omega() && slip.hides_length() {
+        if slip.hides_length(learnt.knows_omega()) {
             self.stage = FitStage::Failed(Reason::Hidden);
             return;
         }

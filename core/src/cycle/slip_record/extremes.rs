@@ -217,12 +217,15 @@ impl SlipRecord {
         self.low.force_n < PERIODS * rate + noise_n + ZERO * self.peak.force_n
     }
 
-    /// Is a sample missing in or next to a slip with hardly another one? The slip may then have
-    /// begun, or ended, on either side of it.
-    pub(crate) fn hides_length(&self) -> bool {
-        let samples = self.samples();
-        let missing = samples.forces_n.len() - samples.good().count();
-        missing > 0 && self.fall() <= SHORTEST_FALL + missing as f32
+    /// Are samples missing between the highest and the lowest one, and hardly any left? Then the
+    /// slip may have begun, or ended, on either side of the missing ones. Where the earlier events
+    /// determine the length of a slip, one sample suffices.
+    pub(crate) fn hides_length(&self, length_known: bool) -> bool {
+        let (peak, low) = self.extremes();
+        let inside = self.samples().good().filter(|&(time, _)| time > peak && time < low);
+        let inside = inside.count() as f32;
+        let least = if length_known { 1.0 } else { SHORTEST_FALL };
+        inside + 1.0 < self.fall() && inside < least
     }
 
     /// Angle at which half a cosine has fallen by the part of the drop that defines the edges.

@@ -143,7 +143,7 @@ impl SlipRecord {
         self.take(window, slip.last);
         self.rough.middle = self.crossing();
         self.rough.edges = self.edges();
-        let missing = self.length - self.samples().good().count();
+        let missing = self.length - self.samples().count();
         let too_long = (self.length == CORE).then_some(Reason::TooLong);
         self.hidden = if slip.hides || missing > 3 { Some(Reason::Hidden) } else { too_long };
     }
