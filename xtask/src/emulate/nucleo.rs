@@ -205,20 +205,19 @@ pub fn card(image: &Path) -> Result<CardSetup> {
     Ok(CardSetup { image, present: true, write_s: 0.8e-3, unreadable: false })
 }
 
-/// Index of the test's first sample: the number of samples in the last health line before the
-/// start. Earlier health lines may come from other requests.
+/// Index of the test's first sample: the board's samples at the end of the test, by its health line,
+/// less those of the test, by its report. Nothing is taken between these two lines; between a health
+/// line before the start and the start a sample may be.
 fn first_index(shown: &str) -> Option<u64> {
-    let (mut before, mut samples) = (None, None);
+    let (mut all, mut of_test) = (None, None);
     for line in shown.lines() {
         match Line::parse(line) {
-            // Settings are printed with the current test's number; a start has a new number.
-            Ok(Line::Start { run, .. }) => {
-                let other = before.replace(run).is_some_and(|it| it != run);
-                if other && samples.is_some() {
-                    return samples;
-                }
+            Ok(Line::Health(health)) => all = Some(u64::from(health.samples)),
+            Ok(Line::Report(report)) => {
+                let counters = report.counters;
+                of_test = Some(u64::from(counters.samples) + u64::from(counters.missing));
             }
-            Ok(Line::Health(health)) => samples = Some(u64::from(health.samples)),
+            Ok(Line::End { .. }) => return all?.checked_sub(of_test?),
             _ => {}
         }
     }
@@ -240,28 +239,34 @@ fn symbols(firmware: &Path) -> Result<((u32, u32), Option<u32>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floe_core::{Config, Counters, Pipeline, Report};
     use floe_firmware::line::Health;
     use floe_firmware::settings::Settings;
 
-    /// Health is also requested earlier and during the test.
+    /// Health and report are also requested earlier and during the test.
     #[test]
     fn a_test_begins_where_it_was_started_whoever_asks() {
         let start = |run| Line::Start { run, settings: Settings::default() };
         let health = |samples| Line::Health(Health { samples, ..Health::default() });
+        let config = Config { weight_n: 630.0, ..Config::default() };
+        let empty = Pipeline::new(&config).expect("valid").report();
+        let report = |samples, missing| {
+            let counters = Counters { samples, missing, ..Counters::default() };
+            Line::Report(Report { counters, ..empty })
+        };
         let lines = [
             start(5),
             health(7),
-            start(5),
-            start(5),
-            health(32),
             start(6),
-            start(6),
+            report(2, 0),
+            health(36),
+            report(7, 1),
             health(40),
             Line::End { run: 6 },
             health(90),
         ];
         let said = lines.map(|line| line.to_text().expect("short").to_string());
         assert_eq!(first_index(&said.join("\r\n")), Some(32));
-        assert_eq!(first_index(&said[..4].join("\r\n")), None);
+        assert_eq!(first_index(&said[..7].join("\r\n")), None);
     }
 }
