@@ -33,7 +33,7 @@ const PAST_PROFILE: i32 = PROFILE + 1;
 const FORGET: i32 = 32;
 /// Lower limit of a halved usual drop, standard deviations of the noise: a slip that begins low on
 /// the line needs half of the usual drop.
-const LEAST_DROP: f32 = 16.0;
+const LEAST_USUAL: f32 = 16.0;
 
 /// What the profile does in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,12 +110,12 @@ impl Detector {
 
     /// No slip for more than twice the length of the stick before: the usual drop may be that of a
     /// knock, or of the first slip of a block that was frozen in. It is halved, down to
-    /// [`LEAST_DROP`] standard deviations of the noise.
+    /// [`LEAST_USUAL`] standard deviations of the noise.
     #[cold]
     #[inline(never)]
     fn forget_usual(&mut self) {
         let usual_n = self.usual_drop_n;
-        self.usual_drop_n = larger(0.5 * usual_n, smaller(usual_n, LEAST_DROP * self.std_n));
+        self.usual_drop_n = larger(0.5 * usual_n, smaller(usual_n, LEAST_USUAL * self.std_n));
     }
 
     /// A slip that was seen late, as one after a brief rest is, may have samples on the line. Then

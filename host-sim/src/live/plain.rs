@@ -31,8 +31,7 @@ pub enum Form {
 /// # Errors
 /// Standard output or the file cannot be written.
 pub fn run(place: &Place, port: &Port, form: Form, save: Option<Save>) -> Result<(), InputError> {
-    let (state, lines) = (State::default(), Lines::default());
-    let mut list = List { state, lines, form, save, told: None, asked: None, is_silent: false };
+    let mut list = List::new(form, save);
     let start = Instant::now();
     while !nobody_reads() {
         let input = port.next(Duration::from_secs(1));
@@ -66,6 +65,11 @@ struct List {
 }
 
 impl List {
+    fn new(form: Form, save: Option<Save>) -> Self {
+        let (state, lines) = (State::default(), Lines::default());
+        Self { state, lines, form, save, told: None, asked: None, is_silent: false }
+    }
+
     /// Handles an event of the port; returns whether standard output still has a reader.
     fn input(&mut self, place: &Place, input: Input, now: Duration) -> Result<bool, InputError> {
         match input {
@@ -208,23 +212,10 @@ fn plain(event: &Event, onset_s: f64) -> String {
 mod tests {
     use super::*;
 
-    fn list() -> List {
-        let (state, lines) = (State::default(), Lines::default());
-        List {
-            state,
-            lines,
-            form: Form::Plain,
-            save: None,
-            told: None,
-            asked: None,
-            is_silent: false,
-        }
-    }
-
     /// A board that says nothing is asked every few seconds, and reported once.
     #[test]
     fn silence_is_said_once_and_so_is_its_end() {
-        let (mut list, seconds) = (list(), Duration::from_secs);
+        let (mut list, seconds) = (List::new(Form::Plain, None), Duration::from_secs);
         list.up(&Place::parse("board:4004"), seconds(1));
         let asked: Vec<u64> = (1..20).filter(|&s| list.should_ask(seconds(s))).collect();
         assert_eq!(asked, [1, 7, 13, 19]);
@@ -241,7 +232,7 @@ mod tests {
     /// A port that is gone is reported as such, and its board is not asked.
     #[test]
     fn a_port_that_is_gone_is_not_silent() {
-        let (mut list, seconds) = (list(), Duration::from_secs);
+        let (mut list, seconds) = (List::new(Form::Plain, None), Duration::from_secs);
         let place = Place::parse("board:4004");
         list.up(&place, seconds(0));
         assert!(list.silence(seconds(10)).is_some());
