@@ -48,13 +48,6 @@ pub fn lines(config: &Config, report: &Report) -> Vec<BudgetLine> {
 }
 
 impl BudgetLine {
-    /// For a test whose zero was not taken before and after: a drift of which nothing is seen is
-    /// not measured.
-    pub fn without_both_zeros(&mut self) {
-        let is_drift = self.input == name(Input::ZeroDrift);
-        self.is_unmeasured = is_drift && self.std.is_some_and(|std| std <= 0.0);
-    }
-
     /// The line as it is printed: what was not measured has no numbers, which would read as none.
     #[must_use]
     pub fn printed(&self) -> Self {
@@ -91,7 +84,8 @@ fn line(entry: Entry, config: &Config) -> BudgetLine {
         std: known(entry.std).filter(|_| !is_unknown),
         // A difference below 1 % would not show.
         stated_std: known(stated.filter(|&stated| entry.std > Some(1.01 * stated))),
-        is_unmeasured: false,
+        // Where both zeros are given, the replay corrects this.
+        is_unmeasured: entry.input == Input::ZeroDrift && entry.std == Some(0.0),
         mu_s,
         mu,
     }

@@ -10,7 +10,6 @@ use crate::error::InputError;
 use crate::log::winch_marks::WinchMark;
 use crate::log::{Log, Sample};
 
-use super::budget::BudgetLine;
 use super::events::{Events, Means};
 use super::known::KnownOptions;
 use super::rails::Rails;
@@ -162,8 +161,8 @@ impl<'a> Gathered<'a> {
         }
         let stretches = stretches.with_changes(&result.changes, config);
         let mut result = ReplayResult { effects, stretches, ..result };
-        if known.both_zeros(&log.metadata().known).is_none() {
-            result.budget.iter_mut().for_each(BudgetLine::without_both_zeros);
+        if known.both_zeros(&log.metadata().known).is_some() {
+            result.budget.iter_mut().for_each(|line| line.is_unmeasured = false);
         }
         let doubts = doubts::doubts(log, (config, known), &report, result.sags());
         result.log.warnings = [log.warnings(), doubts, self.rails.warnings()].concat();
