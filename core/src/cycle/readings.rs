@@ -103,11 +103,11 @@ impl CycleTracker {
         self.site.slope
     }
 
-    /// The force, N, of a coefficient at the weight in use.
+    /// Normal force of the block, N, with the weight in use: the force of a coefficient of one.
     #[must_use]
-    pub(crate) fn force_n(&self, coefficient: f32) -> f32 {
+    pub(crate) fn normal_n(&self) -> f32 {
         let site = self.site();
-        coefficient * site.weight_n * site.slope.1
+        site.weight_n * site.slope.1
     }
 
     /// Standard deviation of the damping ratio: the stated one, widened by what the events show.

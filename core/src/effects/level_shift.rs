@@ -130,12 +130,18 @@ impl Level {
 
 /// Mean of the middle half of the values.
 fn middle_half(values: &[f32; RECENT]) -> f32 {
-    let rank = |value: f32, place: usize| {
-        values.iter().zip(0..).filter(|&(&other, at)| (other, at) < (value, place)).count()
-    };
-    let ranked =
-        values.iter().zip(0..).filter(|&(&value, place)| (2..6).contains(&rank(value, place)));
-    0.25 * ranked.map(|(value, _)| value).sum::<f32>()
+    let mut sorted = *values;
+    for count in 1..RECENT {
+        let (before, rest) = sorted.split_at_mut(count);
+        let Some(next) = rest.first_mut() else { continue };
+        for earlier in before {
+            if *earlier > *next {
+                core::mem::swap(earlier, next);
+            }
+        }
+    }
+    let [_, _, middle @ .., _, _] = sorted;
+    0.25 * middle.into_iter().sum::<f32>()
 }
 
 /// The levels of `Fs` and `Fp`.

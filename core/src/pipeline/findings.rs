@@ -18,7 +18,7 @@ impl Pipeline {
         let (loading_rate, omega) = self.cycles.shared();
         let known = Known {
             weight_ratio: (self.cycles.weight_ratio().0, self.weight_std),
-            drift_n: self.cycles.force_n(self.drift.read(Drift::mean_std)),
+            drift_n: self.cycles.normal_n() * self.drift.read(Drift::mean_std),
             ..self.known()
         };
         let (mu_s, mu) = self.estimates(&known);
@@ -117,13 +117,14 @@ impl Pipeline {
 
     /// The inputs of the budget as known at this time.
     fn known(&self) -> Known<'_> {
+        let normal_n = self.cycles.normal_n();
         Known {
             config: &self.config,
             slope: self.cycles.slope(),
             weight_ratio: self.cycles.weight_ratio(),
             zero_n: self.config.std.zero_n(self.largest_n),
-            drift_n: self.cycles.force_n(self.drift.read(Drift::std)),
-            losses: self.losses(),
+            drift_n: normal_n * self.drift.read(Drift::std),
+            losses: self.losses_at(normal_n),
         }
     }
 
@@ -131,8 +132,12 @@ impl Pipeline {
     /// contains the losses that were known when it was given.
     #[must_use]
     pub fn losses(&self) -> Losses {
+        self.losses_at(self.cycles.normal_n())
+    }
+
+    fn losses_at(&self, normal_n: f32) -> Losses {
         let damping_std = self.cycles.damping_std(self.config.std.damping);
-        Losses::new(damping_std, self.cycles.overshoot_n(), self.cycles.force_n(1.0))
+        Losses::new(damping_std, self.cycles.overshoot_n(), normal_n)
     }
 
     /// The stiffness `k`, N/m: from `F' = k w` where the winch speed is known, else from `ω² = k /
@@ -152,7 +157,7 @@ impl Pipeline {
 
     /// Standard deviation of the zero's drift, N, if it exceeds the noise.
     fn zero_n(&self) -> Option<f32> {
-        let zero_n = self.cycles.force_n(self.drift.read(Drift::std));
+        let zero_n = self.cycles.normal_n() * self.drift.read(Drift::std);
         self.noise_n().filter(|&noise_n| zero_n > noise_n).map(|_| zero_n)
     }
 
