@@ -85,7 +85,7 @@ impl CycleTracker {
             (sag_n, sag_n2) = (0.0, 0.0);
         }
         let stiffens = self.site.effects.has(Effect::Stiffening);
-        let is_straight = slip.wander.level <= 0.0 && sag_n2 <= 0.0 && cycle.is_taut();
+        let is_straight = slip.wander.level <= 0.0 && cycle.is_taut();
         if !is_straight {
             return (sag_n, sag_n2);
         }

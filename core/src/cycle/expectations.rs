@@ -99,7 +99,7 @@ impl Expectations {
     /// The priors of an event with this line after it.
     pub(crate) fn of(&self, slip: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
         let (rough, wander) = (slip.rough(after), slip.wander);
-        let has_lines = slip.before.count.min(after.count) >= LINE && slip.wander.level <= 0.0;
+        let has_lines = slip.before.count.min(after.count) >= LINE;
         let rate = expected(self.rate.prior(noise_n2), rough.rate, ROUGH * rough.rate, noise_n2);
         let known_swing = if self.knows_omega() {
             self.mass.inverse_omega().prior(noise_n2)
@@ -230,11 +230,10 @@ impl Expectations {
             return verdict;
         }
         // A rate that changed in the first event is not that of the next ones, nor is its change
-        // theirs. If the force wanders that may be the cause: then the rate is used, and not the
-        // change.
+        // theirs.
         let change = cycle.rate_change;
         let steady = self.rate.mean().is_some() || change * change < LASTS * LASTS * rate_change;
-        if let Some((value, variance)) = own_rate.filter(|_| steady || data.wander.level > 0.0) {
+        if let Some((value, variance)) = own_rate.filter(|_| steady) {
             self.rate.add(value, variance);
         }
         let own_change = own(cycle.rate_change, rate_change, data.rate_change, LEAST_OWN);

@@ -5,7 +5,7 @@ use crate::cycle::refusal::{self, FAST, RootStiffnessRatio};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished};
 use crate::event::{Event, Quality, Reason};
-use crate::fit::posterior::{CLEAR, Posterior};
+use crate::fit::posterior::Posterior;
 use crate::model::{CycleParams, Shape};
 use crate::num::math::larger;
 use crate::sample::SampleTime;
@@ -132,10 +132,9 @@ impl CycleTracker {
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
         // Decided by the mean swing of all events, not by that of a single one.
-        let is_clear = learnt.knows_omega() && core::f32::consts::PI * swing.0 > CLEAR;
         let periods = next - cycle.onset;
-        let learnt = RootStiffnessRatio::new(&site, rate, swing);
-        let folded = is_clear && learnt.is_folded(periods);
+        let folded =
+            learnt.knows_omega() && RootStiffnessRatio::new(&site, rate, swing).is_folded(periods);
         let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
         let is_fast = periods < FAST;
         let own = RootStiffnessRatio::new(&site, rate, (cycle.inverse_omega(), unknowns[4]));
