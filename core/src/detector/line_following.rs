@@ -14,9 +14,8 @@ use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, periods_between};
 use crate::signal::window::WINDOW;
 
-/// Number of samples in a row off the line, all on one side, after which the line starts anew;
-/// twice as many if they lie on both sides. Tuned: two happen by a spike and its neighbour, four
-/// find a new line later.
+/// Number of samples in a row off the line, all on one side, after which the line starts anew.
+/// Tuned: two happen by a spike and its neighbour, four find a new line later.
 const NEW_LINE: u8 = 3;
 /// Most samples of a stick that the flop profile looks at.
 const PROFILE: i32 = WINDOW as i32 * 3 / 4;
@@ -143,7 +142,7 @@ impl Detector {
                 self.ripple.update(|ripple| ripple.add(relative, weight));
             }
         }
-        if self.stick.strikes > 0 {
+        if self.stick.strikes != 0 {
             // A sample next to samples that were left out may be off the line as well: its
             // innovation does not count for the ripple.
             self.ripple.update(Ripple::interrupt);
@@ -152,15 +151,14 @@ impl Detector {
         self.stick.take(time, sample.force_n, weight);
     }
 
-    /// Leaves out a sample off the line; several on one side, or twice as many, start a new line.
+    /// Leaves out a sample off the line; several on one side start a new line.
     #[inline(never)]
     fn strike(&mut self, index: u32, innovation: f32) {
         let stick = &mut self.stick;
-        stick.strikes += 1;
         let side = if innovation > 0.0 { 1 } else { -1 };
-        let same = stick.strikes > 1 && stick.same_side.signum() == side;
-        stick.same_side = if same { stick.same_side + side } else { side };
-        if stick.same_side.unsigned_abs() < NEW_LINE && stick.strikes < 2 * NEW_LINE {
+        let goes_on = stick.strikes.signum() == side;
+        stick.strikes = if goes_on { stick.strikes + side } else { side };
+        if stick.strikes.unsigned_abs() < NEW_LINE {
             return;
         }
         self.spent += 8;

@@ -3,7 +3,7 @@
 
 use crate::detector::Detector;
 use crate::num::math::{self, larger, smaller};
-use crate::sample::{ForcePoint, since};
+use crate::sample::ForcePoint;
 
 /// Rise that ends a slip at once, standard deviations of the noise (normal: one in 16 000).
 const SURE_RISE: f32 = 4.0;
@@ -12,9 +12,6 @@ const MOST_RISE: f32 = 0.5;
 /// Least rise that ends a slip at once, parts of the drop. Tuned: a lower value lets noise and flop
 /// end long slips early, with a higher one a slip ends half its length after the lowest sample.
 const CLEAR_RISE: f32 = 0.12;
-/// A slip ends only after its length or its drop has reached this part of the usual one. A choice:
-/// a quarter or three quarters change no class of `docs/honesty.md`.
-const EARLY: f32 = 0.5;
 /// Largest difference of two samples at zero, standard deviations of the noise: one normal sample
 /// in 370 is further off.
 const AS_LOW: f32 = 3.0;
@@ -34,11 +31,6 @@ impl Detector {
     pub(super) fn turns(&self, now: ForcePoint) -> bool {
         let drop = self.stick.highest.force_n - self.lowest.force_n;
         let fall = self.lowest.index - self.stick.highest.index;
-        // All slips of a block take as long: early in a long one noise turns the force as well.
-        let elapsed = since(self.stick.highest.index, now.index);
-        if drop < EARLY * self.usual_drop_n && elapsed < EARLY * self.usual_fall {
-            return false;
-        }
         let rise = now.force_n - self.lowest.force_n;
         let rises =
             rise > larger(smaller(SURE_RISE * self.std_n, MOST_RISE * drop), CLEAR_RISE * drop);
@@ -48,7 +40,7 @@ impl Detector {
     /// Is the force back on the old stick line, as after a spike? A block that creeps leaves the
     /// line before it slips: then a parallel line through the highest sample counts.
     pub(super) fn is_back(&self, now: ForcePoint, drop: f32) -> bool {
-        let off_n = self.off_line_n(now).filter(|_| self.line_fits());
+        let off_n = self.off_line_n(now);
         match (off_n, self.before_peak_n()) {
             (Some(off_n), _) => {
                 let peak_off_n = self.off_line_n(self.stick.highest).unwrap_or_default();

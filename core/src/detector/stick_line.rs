@@ -29,9 +29,8 @@ pub(crate) struct Stick {
     pub(crate) next: u32,
     /// Highest sample since the re-stick.
     pub(crate) highest: ForcePoint,
-    /// Samples in a row off the line; how many of them on the last one's side, negative below.
-    pub(super) strikes: u8,
-    pub(super) same_side: i8,
+    /// Number of the last samples in a row off the line and on one side of it, negative below.
+    pub(super) strikes: i8,
 }
 
 impl Stick {
