@@ -99,7 +99,7 @@ impl Expectations {
     /// The priors of an event with this line after it.
     pub(crate) fn of(&self, slip: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
         let (rough, wander) = (slip.rough(after), slip.wander);
-        let has_lines = slip.before.count.min(after.count) >= LINE;
+        let has_lines = slip.before.count.min(after.count) >= LINE && slip.wander.level <= 0.0;
         let rate = expected(self.rate.prior(noise_n2), rough.rate, ROUGH * rough.rate, noise_n2);
         let known_swing = if self.knows_omega() {
             self.mass.inverse_omega().prior(noise_n2)
