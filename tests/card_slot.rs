@@ -175,3 +175,47 @@ fn a_card_without_room_is_named_as_that() {
     assert!(!said.contains("format it"), "{said}");
     assert_eq!(picture(&card.content()), picture(&with_picture()));
 }
+
+/// The contacts bounce once, at any access to a card that is put in.
+#[test]
+fn a_card_that_fails_once_is_used_and_not_called_anything_else() {
+    let used = SimCard::new(formatted());
+    one_test(&used, LOG_SECTORS);
+    for (content, tests) in [(formatted(), 1), (used.content(), 2)] {
+        for count in 0..200 {
+            let card = SimCard::new(content.clone());
+            card.cut_after(0, Rest::Old);
+            let log = CardLog::new(card.clone(), LOG_SECTORS);
+            with_board(log, &stick_slip(TICKS), |board| {
+                board.tick();
+                card.revive();
+                card.fail_once_after(count);
+                (0..3 * LATEST).for_each(|_| board.tick());
+                card.fail_once_after(u32::MAX);
+                (0..LATEST).for_each(|_| board.tick());
+                let said = board.said();
+                assert_eq!(board.view().card, CardState::Ready, "{count}: {said}");
+                assert!(!said.contains("format") && !said.contains("room"), "{count}: {said}");
+                board.type_in(BEGIN);
+                (0..16).for_each(|_| board.tick());
+                board.type_in(b"stop\n");
+            });
+            let content = card.content();
+            let logs = content.chunks_exact(32).filter(|entry| entry.starts_with(b"FLOE    LOG"));
+            assert_eq!(logs.count(), 1, "{count}");
+            assert_eq!(lengths(content).len(), tests, "{count}");
+        }
+    }
+}
+
+/// A full FAT16 has more entries in its table than clusters.
+#[test]
+fn nothing_is_written_behind_the_file_system() {
+    let mut content = formatted();
+    let end = content.len();
+    content.resize(end + 512 * 200, 0xA5);
+    let card = SimCard::new(content);
+    let said = one_test(&card, 9000);
+    assert!(said.contains("no room for FLOE.LOG"), "{said}");
+    assert!(card.content()[end..].iter().all(|&byte| byte == 0xA5));
+}
