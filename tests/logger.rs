@@ -190,6 +190,24 @@ fn another_span_does_not_cancel_in_a_weight() {
     assert_eq!(settings.last().expect("settings").weight_from, Some(WeightFrom::Other));
 }
 
+/// A weight in newtons is that of the span with which it was measured.
+#[test]
+fn the_span_does_not_change_while_the_block_is_weighed() {
+    let script = [
+        (0, "set span 400\nweigh\n"),
+        (150, "set span 500\n"),
+        (151, "accept\n"),
+        (152, "status\n"),
+    ];
+    let board = run(cell(&[400 * 300]), Schedule::default(), &Card::default(), &script);
+    let settings = board.lines().filter_map(|line| {
+        if let Line::Start { settings, .. } = line { Some(settings) } else { None }
+    });
+    let config = settings.last().expect("settings").config;
+    let codes = config.weight_n * config.calibration.counts_per_n;
+    assert!((codes / 120_000.0 - 1.0).abs() < 1e-3, "{config:?}");
+}
+
 #[test]
 fn a_test_begins_after_a_measurement_and_ends_by_stop() {
     let script = [

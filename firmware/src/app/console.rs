@@ -33,7 +33,8 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             Command::Winch(winch) => self.mark_winch(winch)?,
             Command::Clock(moment) => self.set_clock(moment)?,
             _ if self.testing() => return Err("a test is running; stop ends it"),
-            Command::Start if matches!(self.job, Job::Measuring(_)) => {
+            // A measurement is computed with the settings that it began with.
+            Command::Start | Command::Set(_) if matches!(self.job, Job::Measuring(_)) => {
                 return Err("accept or abort?");
             }
             Command::Start => self.start()?,
