@@ -10,6 +10,7 @@ use floe_core::{Config, Counts, Event, Pipeline, RawSample, Reading};
 use floe_firmware::line::{Line, LineError};
 use floe_firmware::notebook::WeightFrom;
 use floe_firmware::record::{Record, SECTOR_LEN, SECTOR_SAMPLES};
+use floe_firmware::wall_clock::Moment;
 use floe_tests::records::stick_slip;
 use floe_tests::scripted::{Card, Session, run};
 
@@ -206,6 +207,25 @@ fn the_span_does_not_change_while_the_block_is_weighed() {
     let config = settings.last().expect("settings").config;
     let codes = config.weight_n * config.calibration.counts_per_n;
     assert!((codes / 120_000.0 - 1.0).abs() < 1e-3, "{config:?}");
+}
+
+/// A reset keeps the calendar, so the samples that it costs are counted.
+#[test]
+fn a_clock_that_is_set_in_a_test_dates_it() {
+    let card = Card::default();
+    let script = [(0, BEGIN), (100, "clock 2027-03-02T10:15:00Z\n"), (400, "")];
+    run(cell(&stick_slip(960)), Schedule::default(), &card, &script);
+    let script = [(0, "clock 2027-03-02T10:15:30Z\n"), (200, "stop\n")];
+    run(cell(&stick_slip(960)), Schedule::default(), &card, &script);
+    let (tests, _) = card::tests(Cursor::new(card.bytes.borrow().clone())).expect("readable");
+    let [first, second] = tests.as_slice() else { panic!("{} tests", tests.len()) };
+    let start_ms = Moment::parse("2027-03-02T10:15:00Z").expect("a time").0 - 6250;
+    let off = first.part.start_ms.expect("a date").abs_diff(start_ms);
+    assert!(off < 125, "{off} ms");
+    // The clock was set at sample 100; the last sample on the card is 399.
+    let lost = 480 - (399 - 100);
+    let gap = second.part.gap.expect("counted");
+    assert!(gap.abs_diff(lost) <= 3, "{gap} {lost}");
 }
 
 #[test]

@@ -52,6 +52,11 @@ impl<S: Store> Journal<S> {
         self.record.settings = settings.clone();
     }
 
+    /// Sets when the first sample of the part was taken, ms since 1970 (UTC).
+    pub fn date(&mut self, start_ms: Option<u64>) {
+        self.record.part.start_ms = start_ms;
+    }
+
     /// Ends the test: writes the waiting data, marked as the end of the test.
     ///
     /// # Errors

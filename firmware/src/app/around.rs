@@ -173,6 +173,8 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     pub(super) fn sync(&mut self, index: u32) {
         let Job::Test(test) = &self.job else { return };
         if let (Some(first), Some(unix_ms)) = (test.first_index, self.clock.at(index)) {
+            // The clock may have been set after the beginning.
+            self.journal.date(self.clock.at(first));
             let index = index.wrapping_sub(first);
             self.tell(&Line::Sync { index, unix_ms });
         }
