@@ -4,6 +4,7 @@ use embedded_io::{Read, ReadReady, Write};
 use floe_core::{Event, Phase, Pipeline, Step};
 
 use super::{App, Job, NO_TEST, config_error};
+use crate::adc::Input;
 use crate::line::{About, Line, LiveSample};
 use crate::log;
 use crate::notebook::Winch;
@@ -124,7 +125,10 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     }
 
     pub(super) fn step(&mut self, sample: Sample) {
-        let (Job::Test(test), Some(pipeline)) = (&mut self.job, self.pipeline.as_mut()) else {
+        // The queue may still hold readings of the self test.
+        let (Job::Test(test), Some(pipeline), Input::Bridge) =
+            (&mut self.job, self.pipeline.as_mut(), sample.input)
+        else {
             return;
         };
         let begins = test.first_index.is_none();
