@@ -263,3 +263,26 @@ fn nothing_is_written_behind_the_file_system() {
     assert!(said.contains("no room for FLOE.LOG"), "{said}");
     assert!(card.content()[end..].iter().all(|&byte| byte == 0xA5));
 }
+
+/// The newest sector holds the settings in use, whichever access at power-up fails.
+#[test]
+fn a_card_that_fails_once_at_power_up_gives_its_newest_settings() {
+    let used = SimCard::new(formatted());
+    with_board(CardLog::new(used.clone(), LOG_SECTORS), &stick_slip(TICKS), |board| {
+        board.type_in(BEGIN);
+        (0..TICKS).for_each(|_| board.tick());
+        board.type_in(b"stop\nset name newest\n");
+    });
+    for count in 0..60 {
+        let card = SimCard::new(used.content());
+        card.fail_once_after(count);
+        with_board(CardLog::new(card.clone(), LOG_SECTORS), &[0], |board| {
+            (0..LATEST).for_each(|_| board.tick());
+            card.fail_once_after(u32::MAX);
+            (0..LATEST).for_each(|_| board.tick());
+            board.type_in(b"status\n");
+            let said = board.said();
+            assert!(said.contains("T,1,newest,16,630,"), "{count}: {said}");
+        });
+    }
+}
