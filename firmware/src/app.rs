@@ -46,6 +46,8 @@ pub struct App<'q, P, S> {
     /// Whether a test has ended since the zero was measured.
     pulled: bool,
     clock_hz: u32,
+    /// Failures to write a sector that were reported, in units of 4096.
+    failures: u32,
     /// Index of the newest sample.
     newest: u32,
     card: Option<CardState>,
@@ -132,6 +134,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             pulled: false,
             card: None,
             warning: None,
+            failures: 0,
         }
     }
 
@@ -150,6 +153,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         {
             self.obey(&typed);
         }
+        self.check_store();
         samples
     }
 
@@ -279,7 +283,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
 
     fn say_settings(&mut self) {
         let line = Line::Start { run: self.part.run, settings: self.settings.clone() };
-        self.tell(&line);
+        self.console.tell(&line);
     }
 
     fn info(&mut self, text: &str) {

@@ -79,8 +79,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             self.settings.force_n(floe_core::Counts(settings.config.calibration.tare_counts));
         if self.pulled {
             self.settings.zero.after_n = Some(moved_n);
-            let stored = self.journal.remember(&self.settings);
-            self.check_store(stored.is_err());
+            self.journal.remember(&self.settings);
             self.pulled = false;
         }
         settings.zero = Zero { before_n: Some(0.0), after_n: None };
@@ -98,8 +97,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         self.console.say(&line);
         self.journal.line(&line);
         if !self.testing() {
-            let stored = self.journal.flush();
-            self.check_store(stored.is_err());
+            self.journal.flush();
         }
         Ok(())
     }

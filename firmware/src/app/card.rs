@@ -44,7 +44,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             | CardState::Fat12
             | CardState::NotFat
             | CardState::NoRoom
-            | CardState::Full => self.console.tell(&Line::Trouble(state.words())),
+            | CardState::Full => self.console.trouble(state.words()),
         }
     }
 
@@ -59,8 +59,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         if self.part.run == 0 && self.recall() {
             self.resume();
         } else if comes_later {
-            let stored = self.journal.remember(&self.settings);
-            self.check_store(stored.is_err());
+            self.journal.remember(&self.settings);
         }
     }
 
@@ -118,10 +117,11 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         self.info("the test goes on: stop ends it");
     }
 
-    pub(super) fn check_store(&mut self, failed: bool) {
-        // Reported at the first failure and then about every half hour.
-        if failed && self.journal.failures() % 4096 == 1 {
-            self.console.tell(&Line::Trouble("no card, full or broken: nothing is kept"));
+    /// Reports that sectors cannot be written, at the first failure and then about every half hour.
+    pub(super) fn check_store(&mut self) {
+        let failures = self.journal.failures().div_ceil(4096);
+        if failures != core::mem::replace(&mut self.failures, failures) {
+            self.console.trouble("no card, full or broken: nothing is kept");
         }
     }
 }

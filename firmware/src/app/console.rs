@@ -18,7 +18,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         };
         let done = command.and_then(|command| self.execute(command));
         if let Err(reason) = done {
-            self.console.tell(&Line::Trouble(reason));
+            self.console.trouble(reason);
         }
     }
 
@@ -27,7 +27,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         match command {
             Command::Status => self.status(),
             Command::Live(live) => self.live = live,
-            Command::Help => self.console.tell(&Line::Info(HELP)),
+            Command::Help => self.info(HELP),
             Command::Stop => self.stop()?,
             Command::Note(words) => self.note(&words)?,
             Command::Winch(winch) => self.mark_winch(winch)?,
@@ -58,8 +58,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     pub(super) fn change(&mut self, settings: Settings) {
         self.settings = settings;
         self.is_set = true;
-        let stored = self.journal.remember(&self.settings);
-        self.check_store(stored.is_err());
+        self.journal.remember(&self.settings);
         self.say_settings();
     }
 
@@ -72,8 +71,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     /// Answers on the console only: the card has these data already, and displays ask often.
     #[inline(never)]
     fn status(&mut self) {
-        let settings = Line::Start { run: self.part.run, settings: self.settings.clone() };
-        self.console.tell(&settings);
+        self.say_settings();
         if let Some(report) = self.report() {
             self.console.tell(&Line::Report(report));
         }
