@@ -309,6 +309,19 @@ fn self_test() {
     assert!(silent.says("does not answer"), "{}", silent.screen);
 }
 
+/// Samples of a test are counted from its first one, in every line.
+#[test]
+fn a_trouble_of_the_converter_is_at_a_sample_of_the_test() {
+    let trouble = Schedule::default().with(150, 153, Trouble::Silent);
+    let script = [(0, "set weight 630\nset span 5000\n"), (40, "start\n"), (200, "")];
+    let card = Card::default();
+    let board = run(cell(&stick_slip(960)), trouble, &card, &script);
+    let missing = |line: Line<'_>| if let Line::Sample(it) = line { Some(it) } else { None };
+    let first = board.lines().filter_map(missing).find(|it| it.force_n.is_none());
+    let said = format!("converter at sample {}: ", first.expect("a missing sample").index);
+    assert!(board.says(&said), "{said} not in {}", board.screen);
+}
+
 #[test]
 fn a_card_that_refuses_is_told_and_costs_no_sample() {
     let card = Card::default();

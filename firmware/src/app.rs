@@ -255,7 +255,10 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     #[inline(never)]
     fn adc_trouble(&mut self, sample: &Sample, fault: crate::adc::AdcFault) {
         if self.health.adc_faults % 16 == 1 {
-            let said = ("converter at sample ", sample.index, (": ", fault.words()));
+            // Before a test, or its first sample, since power-up.
+            let first = if let Job::Test(test) = &self.job { test.first_index } else { None };
+            let index = sample.index.wrapping_sub(first.unwrap_or(0));
+            let said = ("converter at sample ", index, (": ", fault.words()));
             self.trouble(&text(said));
         }
     }
