@@ -307,6 +307,7 @@ fn self_test() {
     let silent = Schedule::default().with(0, u64::MAX, Trouble::Silent);
     let silent = run(cell(&stick_slip(960)), silent, &Card::default(), &script);
     assert!(silent.says("does not answer"), "{}", silent.screen);
+    assert!(!silent.says("% of the range"), "nothing was read: {}", silent.screen);
 }
 
 /// Samples of a test are counted from its first one, in every line.

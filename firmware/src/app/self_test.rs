@@ -27,7 +27,9 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         }
         let passed = test.passed();
         let percent = 100.0 * part_of_range(mean.mean, &self.settings);
-        self.info(&text(("load ", Fixed(percent, 1), " % of the range")));
+        if mean.count > 0 {
+            self.info(&text(("load ", Fixed(percent, 1), " % of the range")));
+        }
         self.job = Job::Idle;
         self.shared.want(crate::adc::Input::Bridge);
         self.console.tell(&Line::Health(self.health()));
