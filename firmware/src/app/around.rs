@@ -1,11 +1,9 @@
 //! Commands around a test: zero, span and weight, clock, notes.
 
 use embedded_io::{Read, ReadReady, Write};
-use heapless::String;
 
 use super::{App, Job, NO_TEST, config_error};
 use crate::adc::Climate;
-use crate::console::INPUT_LEN;
 use crate::line::Line;
 use crate::measuring::{Measuring, Task};
 use crate::settings::{Settings, Zero};
@@ -88,7 +86,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     // Not inlined, because texts are large.
     /// Writes a note to the log; between tests it belongs to the previous test.
     #[inline(never)]
-    pub(super) fn note(&mut self, words: &String<INPUT_LEN>) -> Result<(), &'static str> {
+    pub(super) fn note(&mut self, words: &str) -> Result<(), &'static str> {
         if !self.testing() && !self.pulled {
             return Err(NO_TEST);
         }

@@ -23,13 +23,13 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     }
 
     #[inline(never)]
-    fn execute(&mut self, command: Command) -> Result<(), &'static str> {
+    fn execute(&mut self, command: Command<'_>) -> Result<(), &'static str> {
         match command {
             Command::Status => self.status(),
             Command::Live(live) => self.live = live,
             Command::Help => self.info(HELP),
             Command::Stop => self.stop()?,
-            Command::Note(words) => self.note(&words)?,
+            Command::Note(words) => self.note(words)?,
             Command::Winch(winch) => self.mark_winch(winch)?,
             Command::Clock(moment) => self.set_clock(moment)?,
             _ if self.testing() => return Err("a test is running; stop ends it"),
