@@ -5,10 +5,12 @@ use std::io::Cursor;
 
 use floe::card;
 use floe_firmware::card::CardLog;
+use floe_firmware::line::Line;
+use floe_firmware::settings::Settings;
 use floe_firmware::store::CardState;
-use floe_tests::board::with_board;
+use floe_tests::board::{lines, with_board};
 use floe_tests::fat::{Rest, SimCard, formatted, picture, with_picture};
-use floe_tests::records::stick_slip;
+use floe_tests::records::{settings, stick_slip};
 
 /// Length of the log, sectors: 512 KiB, eight minutes.
 const LOG_SECTORS: u32 = 1024;
@@ -174,4 +176,113 @@ fn a_card_without_room_is_named_as_that() {
     assert!(said.contains("no room for FLOE.LOG"), "{said}");
     assert!(!said.contains("format it"), "{said}");
     assert_eq!(picture(&card.content()), picture(&with_picture()));
+}
+
+/// Settings of a logger switched on with this card.
+fn settings_at_power_up(card: &SimCard) -> Settings {
+    with_board(CardLog::new(card.clone(), LOG_SECTORS), &[0], |board| {
+        board.tick();
+        board.type_in(b"status\n");
+        let said = board.said();
+        let settings =
+            |line| if let Line::Start { settings, .. } = line { Some(settings) } else { None };
+        lines(&said).filter_map(settings).last().expect("settings")
+    })
+}
+
+#[test]
+fn a_card_that_is_put_in_later_gets_what_was_set_before() {
+    let card = SimCard::new(formatted());
+    card.cut_after(0, Rest::Old);
+    with_board(CardLog::new(card.clone(), LOG_SECTORS), &[0], |board| {
+        (0..LATEST).for_each(|_| board.tick());
+        board.type_in(b"set weight 630\nset span 5000\n");
+        card.revive();
+        (0..LATEST).for_each(|_| board.tick());
+        assert_eq!(board.view().card, CardState::Ready);
+    });
+    let kept = settings_at_power_up(&card);
+    let weight_from = kept.weight_from;
+    assert_eq!(kept, Settings { weight_from, ..settings(630.0, "") });
+}
+
+#[test]
+fn an_exchanged_card_gets_the_settings() {
+    let card = SimCard::new(formatted());
+    with_board(CardLog::new(card.clone(), LOG_SECTORS), &[0], |board| {
+        board.type_in(b"set weight 630\nset span 5000\n");
+        card.exchange(formatted());
+        (0..3 * LATEST).for_each(|_| board.tick());
+        assert_eq!(board.view().card, CardState::Ready);
+    });
+    let kept = settings_at_power_up(&card);
+    let weight_from = kept.weight_from;
+    assert_eq!(kept, Settings { weight_from, ..settings(630.0, "") });
+}
+
+/// The contacts bounce once, at any access to a card that is put in.
+#[test]
+fn a_card_that_fails_once_is_used_and_not_called_anything_else() {
+    let used = SimCard::new(formatted());
+    one_test(&used, LOG_SECTORS);
+    for (content, tests) in [(formatted(), 1), (used.content(), 2)] {
+        for count in 0..200 {
+            let card = SimCard::new(content.clone());
+            card.cut_after(0, Rest::Old);
+            let log = CardLog::new(card.clone(), LOG_SECTORS);
+            with_board(log, &stick_slip(TICKS), |board| {
+                board.tick();
+                card.revive();
+                card.fail_once_after(count);
+                (0..3 * LATEST).for_each(|_| board.tick());
+                card.fail_once_after(u32::MAX);
+                (0..LATEST).for_each(|_| board.tick());
+                let said = board.said();
+                assert_eq!(board.view().card, CardState::Ready, "{count}: {said}");
+                assert!(!said.contains("format") && !said.contains("room"), "{count}: {said}");
+                board.type_in(BEGIN);
+                (0..16).for_each(|_| board.tick());
+                board.type_in(b"stop\n");
+            });
+            let content = card.content();
+            let logs = content.chunks_exact(32).filter(|entry| entry.starts_with(b"FLOE    LOG"));
+            assert_eq!(logs.count(), 1, "{count}");
+            assert_eq!(lengths(content).len(), tests, "{count}");
+        }
+    }
+}
+
+/// A full FAT16 has more entries in its table than clusters.
+#[test]
+fn nothing_is_written_behind_the_file_system() {
+    let mut content = formatted();
+    let end = content.len();
+    content.resize(end + 512 * 200, 0xA5);
+    let card = SimCard::new(content);
+    let said = one_test(&card, 9000);
+    assert!(said.contains("no room for FLOE.LOG"), "{said}");
+    assert!(card.content()[end..].iter().all(|&byte| byte == 0xA5));
+}
+
+/// The newest sector holds the settings in use, whichever access at power-up fails.
+#[test]
+fn a_card_that_fails_once_at_power_up_gives_its_newest_settings() {
+    let used = SimCard::new(formatted());
+    with_board(CardLog::new(used.clone(), LOG_SECTORS), &stick_slip(TICKS), |board| {
+        board.type_in(BEGIN);
+        (0..TICKS).for_each(|_| board.tick());
+        board.type_in(b"stop\nset name newest\n");
+    });
+    for count in 0..60 {
+        let card = SimCard::new(used.content());
+        card.fail_once_after(count);
+        with_board(CardLog::new(card.clone(), LOG_SECTORS), &[0], |board| {
+            (0..LATEST).for_each(|_| board.tick());
+            card.fail_once_after(u32::MAX);
+            (0..LATEST).for_each(|_| board.tick());
+            board.type_in(b"status\n");
+            let said = board.said();
+            assert!(said.contains("T,1,newest,16,630,"), "{count}: {said}");
+        });
+    }
 }

@@ -10,6 +10,7 @@ use floe_core::{Config, Counts, Event, Pipeline, RawSample, Reading};
 use floe_firmware::line::{Line, LineError};
 use floe_firmware::notebook::WeightFrom;
 use floe_firmware::record::{Record, SECTOR_LEN, SECTOR_SAMPLES};
+use floe_firmware::wall_clock::Moment;
 use floe_tests::records::stick_slip;
 use floe_tests::scripted::{Card, Session, run};
 
@@ -190,6 +191,43 @@ fn another_span_does_not_cancel_in_a_weight() {
     assert_eq!(settings.last().expect("settings").weight_from, Some(WeightFrom::Other));
 }
 
+/// A weight in newtons is that of the span with which it was measured.
+#[test]
+fn the_span_does_not_change_while_the_block_is_weighed() {
+    let script = [
+        (0, "set span 400\nweigh\n"),
+        (150, "set span 500\n"),
+        (151, "accept\n"),
+        (152, "status\n"),
+    ];
+    let board = run(cell(&[400 * 300]), Schedule::default(), &Card::default(), &script);
+    let settings = board.lines().filter_map(|line| {
+        if let Line::Start { settings, .. } = line { Some(settings) } else { None }
+    });
+    let config = settings.last().expect("settings").config;
+    let codes = config.weight_n * config.calibration.counts_per_n;
+    assert!((codes / 120_000.0 - 1.0).abs() < 1e-3, "{config:?}");
+}
+
+/// A reset keeps the calendar, so the samples that it costs are counted.
+#[test]
+fn a_clock_that_is_set_in_a_test_dates_it() {
+    let card = Card::default();
+    let script = [(0, BEGIN), (100, "clock 2027-03-02T10:15:00Z\n"), (400, "")];
+    run(cell(&stick_slip(960)), Schedule::default(), &card, &script);
+    let script = [(0, "clock 2027-03-02T10:15:30Z\n"), (200, "stop\n")];
+    run(cell(&stick_slip(960)), Schedule::default(), &card, &script);
+    let (tests, _) = card::tests(Cursor::new(card.bytes.borrow().clone())).expect("readable");
+    let [first, second] = tests.as_slice() else { panic!("{} tests", tests.len()) };
+    let start_ms = Moment::parse("2027-03-02T10:15:00Z").expect("a time").0 - 6250;
+    let off = first.part.start_ms.expect("a date").abs_diff(start_ms);
+    assert!(off < 125, "{off} ms");
+    // The clock was set at sample 100; the last sample on the card is 399.
+    let lost = 480 - (399 - 100);
+    let gap = second.part.gap.expect("counted");
+    assert!(gap.abs_diff(lost) <= 3, "{gap} {lost}");
+}
+
 #[test]
 fn a_test_begins_after_a_measurement_and_ends_by_stop() {
     let script = [
@@ -269,6 +307,20 @@ fn self_test() {
     let silent = Schedule::default().with(0, u64::MAX, Trouble::Silent);
     let silent = run(cell(&stick_slip(960)), silent, &Card::default(), &script);
     assert!(silent.says("does not answer"), "{}", silent.screen);
+    assert!(!silent.says("% of the range"), "nothing was read: {}", silent.screen);
+}
+
+/// Samples of a test are counted from its first one, in every line.
+#[test]
+fn a_trouble_of_the_converter_is_at_a_sample_of_the_test() {
+    let trouble = Schedule::default().with(150, 153, Trouble::Silent);
+    let script = [(0, "set weight 630\nset span 5000\n"), (40, "start\n"), (200, "")];
+    let card = Card::default();
+    let board = run(cell(&stick_slip(960)), trouble, &card, &script);
+    let missing = |line: Line<'_>| if let Line::Sample(it) = line { Some(it) } else { None };
+    let first = board.lines().filter_map(missing).find(|it| it.force_n.is_none());
+    let said = format!("converter at sample {}: ", first.expect("a missing sample").index);
+    assert!(board.says(&said), "{said} not in {}", board.screen);
 }
 
 #[test]

@@ -53,6 +53,15 @@ fn a_swinging_calibration_takes_the_excess_off() {
     assert!((span / SPAN - 1.0).abs() < 6e-4, "{span}");
 }
 
+/// The converter still has range where the cell has none.
+#[test]
+fn a_block_beyond_the_cells_range_is_said() {
+    let script = [(0, "set tare 12345\nset range 600\nweigh\n"), (200, "accept\n"), (201, "")];
+    let board = says(vec![630.0; 400], SPAN, &script);
+    assert!(board.says(",out-of-range*"), "{}", board.screen);
+    assert!(board.says("OUT OF RANGE: overloaded, or a wire is off"), "{}", board.screen);
+}
+
 #[test]
 fn a_reversed_cell_is_said() {
     let board = says(vec![630.0; 600], -SPAN, &CALIBRATE);

@@ -46,6 +46,8 @@ pub struct App<'q, P, S> {
     /// Whether a test has ended since the zero was measured.
     pulled: bool,
     clock_hz: u32,
+    /// Failures to write a sector that were reported, in units of 4096.
+    failures: u32,
     /// Index of the newest sample.
     newest: u32,
     card: Option<CardState>,
@@ -132,6 +134,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             pulled: false,
             card: None,
             warning: None,
+            failures: 0,
         }
     }
 
@@ -150,6 +153,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         {
             self.obey(&typed);
         }
+        self.check_store();
         samples
     }
 
@@ -251,7 +255,10 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     #[inline(never)]
     fn adc_trouble(&mut self, sample: &Sample, fault: crate::adc::AdcFault) {
         if self.health.adc_faults % 16 == 1 {
-            let said = ("converter at sample ", sample.index, (": ", fault.words()));
+            // Before a test, or its first sample, since power-up.
+            let first = if let Job::Test(test) = &self.job { test.first_index } else { None };
+            let index = sample.index.wrapping_sub(first.unwrap_or(0));
+            let said = ("converter at sample ", index, (": ", fault.words()));
             self.trouble(&text(said));
         }
     }
@@ -279,7 +286,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
 
     fn say_settings(&mut self) {
         let line = Line::Start { run: self.part.run, settings: self.settings.clone() };
-        self.tell(&line);
+        self.console.tell(&line);
     }
 
     fn info(&mut self, text: &str) {

@@ -9,7 +9,7 @@
 use embedded_sdmmc::{BlockDevice, Mode, RawDirectory, RawFile, RawVolume, TimeSource, Timestamp};
 use embedded_sdmmc::{VolumeIdx, VolumeManager};
 
-use crate::media::Media;
+use crate::media::{Failed, Media};
 use crate::record::{Record, SECTOR_LEN, Sector};
 use crate::store::{CardState, Store, StoreError};
 
@@ -63,7 +63,7 @@ impl TimeSource for NoClock {
     }
 }
 
-type Error<D> = embedded_sdmmc::Error<<D as BlockDevice>::Error>;
+type Error = embedded_sdmmc::Error<Failed>;
 
 impl<D: BlockDevice> CardLog<D> {
     /// A log of `sectors` sectors (half a second each). The card is opened when the last record is
@@ -99,7 +99,10 @@ impl<D: BlockDevice> CardLog<D> {
                     }
                 }
             }
-            Err(state) => self.state = state,
+            Err(state) => {
+                let failed = self.volumes.device(|media| media.is_shut());
+                self.state = if failed { CardState::Unreadable } else { state };
+            }
         }
     }
 
@@ -121,15 +124,13 @@ impl<D: BlockDevice> CardLog<D> {
         }
     }
 
-    fn open_file(&mut self, root: RawDirectory) -> Result<RawFile, Error<D>> {
+    fn open_file(&mut self, root: RawDirectory) -> Result<RawFile, Error> {
         let mode = Mode::ReadWriteCreateOrAppend;
         let file = self.volumes.open_file_in_dir(root, FILE, mode)?;
         // The file may be new, or its extension was interrupted.
         match self.measure(file).and_then(|()| self.lengthen(file)) {
             Ok(()) => Ok(file),
             Err(error) => {
-                // Directory and tables may be broken: nothing more is written to them.
-                self.volumes.device(|media| media.shut());
                 let _ = self.volumes.close_file(file);
                 Err(error)
             }
@@ -138,7 +139,7 @@ impl<D: BlockDevice> CardLog<D> {
 
     /// Reads the length of the file. Free space is checked by the file system's own count first,
     /// because scanning the table of a large full card takes longer than the watchdog allows.
-    fn measure(&mut self, file: RawFile) -> Result<(), Error<D>> {
+    fn measure(&mut self, file: RawFile) -> Result<(), Error> {
         self.made = self.volumes.file_length(file)? / SECTOR_LEN as u32;
         let missing = self.sectors.saturating_sub(self.made);
         let free = self.volumes.device(|media| media.free_blocks());
@@ -149,7 +150,7 @@ impl<D: BlockDevice> CardLog<D> {
     }
 
     /// Extends the file by one step unless it is complete.
-    fn lengthen(&mut self, file: RawFile) -> Result<(), Error<D>> {
+    fn lengthen(&mut self, file: RawFile) -> Result<(), Error> {
         if self.made >= self.sectors {
             return Ok(());
         }
@@ -177,7 +178,7 @@ impl<D: BlockDevice> CardLog<D> {
     /// Closes the card after an error. Writing is blocked first: another card may be in the slot,
     /// and closing the file would write the old card's directory to it.
     fn give_up(&mut self) {
-        self.volumes.device(|media| media.shut());
+        self.volumes.device(|media| media.shut(true));
         self.close();
         self.state = CardState::NoCard;
         self.calls = 0;
@@ -211,8 +212,10 @@ impl<D: BlockDevice> CardLog<D> {
         let file = self.open.as_ref()?.file;
         let mut bytes = [0; SECTOR_LEN];
         self.volumes.file_seek_from_start(file, sector.checked_mul(SECTOR_LEN as u32)?).ok()?;
-        let read = self.volumes.read(file, &mut bytes).ok()?;
-        (read == SECTOR_LEN).then_some(bytes)
+        let read = self.volumes.read(file, &mut bytes);
+        // A sector that cannot be read does not matter to those that are written.
+        self.volumes.device(|media| media.shut(false));
+        (read.ok()? == SECTOR_LEN).then_some(bytes)
     }
 
     fn close(&mut self) {
@@ -229,7 +232,11 @@ impl<D: BlockDevice> Store for CardLog<D> {
         self.ensure_open();
         let newest = self.next.checked_sub(1)?;
         let mut near = (newest.saturating_sub(4)..=newest).rev();
-        let mut last = near.find_map(|sector| Record::decode(&self.read(sector)?).ok())?;
+        // A second attempt, because an older record may have other settings, or a test that goes on.
+        let mut last = near.find_map(|sector| {
+            let bytes = self.read(sector).or_else(|| self.read(sector))?;
+            Record::decode(&bytes).ok()
+        })?;
         // A test that has filled the log cannot be resumed.
         last.running &= self.next < self.sectors;
         Some(last)

@@ -3,7 +3,6 @@
 use floe_core::{Effect, Effects};
 use heapless::String;
 
-use crate::console::INPUT_LEN;
 use crate::measuring::Task;
 use crate::notebook::{Kind, Track, WeightFrom, Winch, from_word};
 use crate::settings::{NAME_LEN, fits_name};
@@ -95,7 +94,7 @@ impl Quantity {
 
 /// A line from the console.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Command {
+pub enum Command<'a> {
     /// `set WHAT VALUE`.
     Set(Setting),
     /// `start`.
@@ -113,7 +112,7 @@ pub enum Command {
     /// `abort`: discards the measurement in progress.
     Abort,
     /// `note WORDS`: a note stored with the test.
-    Note(String<INPUT_LEN>),
+    Note(&'a str),
     /// `winch moving` and `winch held`: state of the winch from now on.
     Winch(Winch),
     /// `clock`: shows the time; `clock 2027-03-02T10:15:00Z`: sets it.
@@ -130,12 +129,12 @@ set weight|slope|winch|range|span|tare|name|snow|kind|size|track|cable X; \
 set weight|slope|zero|span|damping|winch-std X; set weight-from same_cell|other; set effects auto|none|NAMES; note TEXT; winch moving|held; \
 start; stop; status; live on|off";
 
-impl Command {
+impl<'a> Command<'a> {
     /// Parses a line of words separated by spaces.
     ///
     /// # Errors
     /// Advice on the correct form, as a phrase.
-    pub fn parse(line: &str) -> Result<Self, &'static str> {
+    pub fn parse(line: &'a str) -> Result<Self, &'static str> {
         let (verb, rest) = first_word(line);
         let rest_is = |command: Self| match rest {
             // `start test` is as good as `start`.
@@ -162,7 +161,7 @@ impl Command {
             "abort" => rest_is(Self::Abort),
             "self-test" => rest_is(Self::SelfTest),
             "note" if rest.is_empty() => Err("note, and what is to be written down"),
-            "note" => String::try_from(rest).map(Self::Note).map_err(|_| "that is too long"),
+            "note" => Ok(Self::Note(rest)),
             "winch" => from_word(Winch::ALL, rest)
                 .map(Self::Winch)
                 .ok_or("unknown command; help lists them"),
@@ -281,7 +280,7 @@ mod tests {
         let named = Command::parse("set  name  my test ");
         assert_eq!(named, Ok(Command::Set(Setting::Name(String::try_from("my test").unwrap()))));
         let note = Command::parse("note wind, 3 *  m/s");
-        assert_eq!(note, Ok(Command::Note(String::try_from("wind, 3 *  m/s").unwrap())));
+        assert_eq!(note, Ok(Command::Note("wind, 3 *  m/s")));
         let set = |setting| Ok(Command::Set(setting));
         assert_eq!(Command::parse("set size 1.2 1 .3"), set(Setting::Size([1.2, 1.0, 0.3])));
         assert_eq!(Command::parse("set cable 15"), set(Setting::Cable(15.0, None)));

@@ -75,6 +75,11 @@ impl<P: Read + ReadReady + Write> Console<P> {
         let _ = self.port.write_all(b"\r\n");
     }
 
+    /// Sends a problem that does not go to the card.
+    pub fn trouble(&mut self, text: &str) {
+        self.tell(&Line::Trouble(text));
+    }
+
     /// Sends a message that does not go to the card.
     pub fn tell(&mut self, line: &Line<'_>) {
         if let Ok(text) = line.to_text() {

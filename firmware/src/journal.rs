@@ -3,10 +3,10 @@
 use heapless::String;
 
 use crate::line::LINE_LEN;
-use crate::record::{Part, Record, SECTOR_SAMPLES, TEXT_LEN};
+use crate::record::{Part, Record, TEXT_LEN};
 use crate::sample::Sample;
 use crate::settings::Settings;
-use crate::store::{CardState, Store, StoreError};
+use crate::store::{CardState, Store};
 
 /// Room for lines that wait for a sector: two events and some text, or any single line.
 const WAITING_LEN: usize = 1024;
@@ -52,28 +52,31 @@ impl<S: Store> Journal<S> {
         self.record.settings = settings.clone();
     }
 
+    /// Sets when the first sample of the part was taken, ms since 1970 (UTC).
+    pub fn date(&mut self, start_ms: Option<u64>) {
+        self.record.part.start_ms = start_ms;
+    }
+
     /// Ends the test: writes the waiting data, marked as the end of the test.
-    ///
-    /// # Errors
-    /// A sector could not be written.
-    pub fn end(&mut self) -> Result<(), StoreError> {
+    pub fn end(&mut self) {
         self.record.running = false;
         self.flush()
     }
 
     /// Adds a sample, and writes the sector if it is full.
-    pub fn sample(&mut self, sample: Sample) -> Result<(), StoreError> {
+    pub fn sample(&mut self, sample: Sample) {
         // Cannot fail: a full sector was written and emptied at once.
         let _ = self.record.samples.push(sample);
-        if self.record.samples.len() < SECTOR_SAMPLES { Ok(()) } else { self.fill() }
+        if self.record.samples.is_full() {
+            self.fill();
+        }
     }
 
     /// Adds a line for the next sector with room. If too much text waits already, it is written
     /// first.
     pub fn line(&mut self, text: &str) {
         if WAITING_LEN - self.waiting.len() <= text.len() {
-            // A failed write is counted.
-            let _ = self.flush();
+            self.flush();
         }
         // Cannot fail: there is room for any line.
         let _ = self.waiting.push_str(text);
@@ -88,31 +91,25 @@ impl<S: Store> Journal<S> {
 
     /// Writes all waiting samples and lines, even to a sector that is not full. Data that cannot be
     /// written are lost, and the sector is counted as a failure.
-    pub fn flush(&mut self) -> Result<(), StoreError> {
-        let mut result = Ok(());
+    pub fn flush(&mut self) {
         while !self.record.samples.is_empty() || !self.waiting.is_empty() {
-            result = result.and(self.fill());
+            self.fill();
         }
-        result
     }
 
     /// Writes one sector, with as many waiting lines as fit.
-    fn fill(&mut self) -> Result<(), StoreError> {
+    fn fill(&mut self) {
         self.take_waiting();
-        let result = self.write();
+        self.write();
         self.record.samples.clear();
         self.record.text.clear();
-        result
     }
 
     /// Writes a sector without samples, to keep settings that changed between tests. Waiting lines
     /// stay for the next test.
-    ///
-    /// # Errors
-    /// The settings are not on the card.
-    pub fn remember(&mut self, settings: &Settings) -> Result<(), StoreError> {
+    pub fn remember(&mut self, settings: &Settings) {
         self.record.settings = settings.clone();
-        self.write()
+        self.write();
     }
 
     /// The last record in the store.
@@ -165,14 +162,12 @@ impl<S: Store> Journal<S> {
         self.waiting.drain(..TEXT_LEN);
     }
 
-    fn write(&mut self) -> Result<(), StoreError> {
+    fn write(&mut self) {
         self.record.sector = self.store.next_sector();
-        let result = self.store.write(&self.record.encode());
-        match result {
+        match self.store.write(&self.record.encode()) {
             Ok(()) => self.sectors = self.sectors.saturating_add(1),
             Err(_) => self.failures = self.failures.saturating_add(1),
         }
-        result
     }
 }
 
@@ -180,6 +175,7 @@ impl<S: Store> Journal<S> {
 mod tests {
     use super::*;
     use crate::record::Sector;
+    use crate::store::StoreError;
 
     #[derive(Default)]
     struct Sectors(Vec<Sector>);
@@ -210,7 +206,7 @@ mod tests {
         let mut said = std::string::String::new();
         for length in lengths {
             journal.line(&line(length));
-            journal.flush().unwrap();
+            journal.flush();
             said += &line(length);
             said.push('\n');
         }
@@ -228,7 +224,7 @@ mod tests {
             said += &line;
             said.push('\n');
         }
-        journal.end().unwrap();
+        journal.end();
         assert_eq!(kept(&journal), said);
     }
 
@@ -243,15 +239,16 @@ mod tests {
             }
             let reading = Ok(floe_core::Counts(0));
             let sample = Sample { index, stamp: 0, input: crate::adc::Input::Bridge, reading };
-            journal.sample(sample).unwrap();
+            journal.sample(sample);
         }
-        journal.end().unwrap();
+        journal.end();
         let sectors = journal.store().0.iter().map(|sector| Record::decode(sector).unwrap());
         assert_eq!(sectors.filter(|record| record.samples.is_empty()).count(), 0);
         assert_eq!(kept(&journal), (line + "\n").repeat(20));
     }
 
     fn kept(journal: &Journal<Sectors>) -> std::string::String {
+        assert_eq!(journal.failures(), 0);
         let sectors = journal.store().0.iter();
         sectors.map(|sector| Record::decode(sector).unwrap().text.to_string()).collect()
     }

@@ -126,22 +126,26 @@ impl Measuring {
         if sample.input != Input::Bridge {
             return false;
         }
-        let (lowest, highest) = self.range_counts;
-        let inside = |code: &Counts| lowest < code.0 && code.0 < highest;
-        self.saturated = sample.reading.is_ok_and(|code| !inside(&code));
-        let code = sample.reading.ok().filter(inside);
-        self.weighing.add(match self.task {
-            Task::Tare | Task::Calibrate(_) => code.map(|code| code.0 as f32),
-            Task::Weigh => {
-                code.and_then(|code| self.calibrator.force_n(Reading::Counts(code)).ok())
-            }
-        });
+        let value = sample.reading.ok().and_then(|code| self.value(code));
+        self.saturated = sample.reading.is_ok() && value.is_none();
+        self.weighing.add(value);
         self.samples = self.samples.wrapping_add(1);
         let second = self.samples.is_multiple_of(RATE_HZ as u32);
         if second {
             self.look();
         }
         second
+    }
+
+    /// Value of a code within the range: the code, or the force of the block, N.
+    fn value(&self, code: Counts) -> Option<f32> {
+        let (lowest, highest) = self.range_counts;
+        match self.task {
+            Task::Weigh => self.calibrator.force_n(Reading::Counts(code)).ok(),
+            Task::Tare | Task::Calibrate(_) => {
+                (lowest < code.0 && code.0 < highest).then_some(code.0 as f32)
+            }
+        }
     }
 
     /// Updates the result, once a second.

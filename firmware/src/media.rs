@@ -2,6 +2,7 @@
 //! another format that is reported by name.
 
 use core::cell::Cell;
+use core::fmt;
 
 use embedded_sdmmc::{Block, BlockCount, BlockDevice, BlockIdx};
 
@@ -17,27 +18,59 @@ const COUNT_MARK: u32 = 0x6141_7272;
 const COUNT_MARK_AT: usize = 484;
 const COUNT_AT: usize = 488;
 
+/// Error: the card failed, or writing is blocked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Failed;
+
+impl fmt::Display for Failed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the card failed")
+    }
+}
+
+impl core::error::Error for Failed {}
+
 /// A card with FAT. If it has no partition table, one is simulated.
 #[derive(Debug)]
 pub struct Media<D> {
     device: D,
     /// Blocks of a file system that begins at block 0, or 0 if there is a partition table.
     whole: Cell<u32>,
+    /// Block behind the file system. The driver takes the unused end of the table of a full FAT16
+    /// for free clusters.
+    end: Cell<u32>,
     /// Free blocks as recorded by the file system, if it records them.
     free: Cell<Option<u32>>,
-    /// Whether writing is blocked until the card is examined again.
+    /// Whether writing is blocked: after a failure the file system may know nothing, or only half, of
+    /// what it would overwrite. For example it takes a directory that it cannot read for one without
+    /// the file, and would make a second one.
     is_shut: Cell<bool>,
 }
 
 impl<D: BlockDevice> Media<D> {
     /// A card that has not been examined yet.
     pub const fn new(device: D) -> Self {
-        Self { device, whole: Cell::new(0), free: Cell::new(None), is_shut: Cell::new(false) }
+        let (whole, end) = (Cell::new(0), Cell::new(0));
+        Self { device, whole, end, free: Cell::new(None), is_shut: Cell::new(false) }
     }
 
-    /// Blocks writing until the card is examined, because it may be a different card.
-    pub fn shut(&self) {
-        self.is_shut.set(true);
+    /// Blocks writing until the card is examined, because it may be a different card; or permits
+    /// writing after a failed read that does not matter.
+    pub fn shut(&self, is_shut: bool) {
+        self.is_shut.set(is_shut);
+    }
+
+    /// Whether writing is blocked.
+    pub fn is_shut(&self) -> bool {
+        self.is_shut.get()
+    }
+
+    /// Blocks writing after a failure.
+    fn check<E>(&self, done: Result<(), E>) -> Result<(), Failed> {
+        done.map_err(|_| {
+            self.shut(true);
+            Failed
+        })
     }
 
     /// Free blocks as recorded by the file system; `None` if it does not record them.
@@ -72,7 +105,7 @@ impl<D: BlockDevice> Media<D> {
 
     /// Checks that a file system is FAT16 or FAT32, and reads the number of its free blocks.
     fn judge(&self, first: &[u8; 512], start: u32) -> Result<(), CardState> {
-        judge(first)?;
+        self.end.set(start.saturating_add(judge(first)?));
         self.free.set(self.count_free(first, start));
         Ok(())
     }
@@ -108,22 +141,25 @@ fn is_exfat(block: &[u8; 512]) -> bool {
     block[3..].starts_with(b"EXFAT   ")
 }
 
-/// Checks that the first block of a file system is one of FAT16 or FAT32.
-fn judge(block: &[u8; 512]) -> Result<(), CardState> {
+/// Checks that the first block of a file system is one of FAT16 or FAT32; returns the number of its
+/// blocks.
+fn judge(block: &[u8; 512]) -> Result<u32, CardState> {
     if is_exfat(block) {
         return Err(CardState::ExFat);
     }
     let (word, long) = (|at| word(block, at), |at| long(block, at));
     let either = |short: u32, long: u32| if short == 0 { long } else { short };
-    let per_cluster = u32::from(block[13]);
-    if word(11) != 512 || per_cluster == 0 || !is_signed(block) {
+    let (per_cluster, tables) = (u32::from(block[13]), u32::from(block[16]));
+    // NTFS has no tables.
+    if word(11) != 512 || per_cluster == 0 || tables == 0 || !is_signed(block) {
         return Err(CardState::NotFat);
     }
     // All blocks before the clusters: reserved ones, tables, and the root directory of FAT16.
-    let tables = u32::from(block[16]).saturating_mul(either(word(22), long(36)));
+    let tables = tables.saturating_mul(either(word(22), long(36)));
     let before = word(14).saturating_add(tables).saturating_add(word(17) / 16);
-    let clusters = either(word(19), long(32)).saturating_sub(before) / per_cluster;
-    if clusters < FEWEST_CLUSTERS { Err(CardState::Fat12) } else { Ok(()) }
+    let all = either(word(19), long(32));
+    let clusters = all.saturating_sub(before) / per_cluster;
+    if clusters < FEWEST_CLUSTERS { Err(CardState::Fat12) } else { Ok(all) }
 }
 
 /// Free clusters from the FAT32 sector with their number; `None` if invalid or unknown.
@@ -155,10 +191,10 @@ fn table(blocks: u32) -> Block {
 }
 
 impl<D: BlockDevice> BlockDevice for Media<D> {
-    type Error = D::Error;
+    type Error = Failed;
 
-    fn read(&self, blocks: &mut [Block], start: BlockIdx) -> Result<(), D::Error> {
-        match (self.whole.get(), start.0.checked_sub(1)) {
+    fn read(&self, blocks: &mut [Block], start: BlockIdx) -> Result<(), Failed> {
+        self.check(match (self.whole.get(), start.0.checked_sub(1)) {
             (0, _) => self.device.read(blocks, start),
             (_, Some(before)) => self.device.read(blocks, BlockIdx(before)),
             (whole, None) => match blocks.split_first_mut() {
@@ -172,24 +208,23 @@ impl<D: BlockDevice> BlockDevice for Media<D> {
                 }
                 None => Ok(()),
             },
-        }
+        })
     }
 
-    fn write(&self, blocks: &[Block], start: BlockIdx) -> Result<(), D::Error> {
-        if self.is_shut.get() {
-            return Ok(());
+    fn write(&self, blocks: &[Block], start: BlockIdx) -> Result<(), Failed> {
+        let simulated = u32::from(self.whole.get() != 0);
+        // The simulated table is never written.
+        let Some(place) = start.0.checked_sub(simulated) else { return Ok(()) };
+        if self.is_shut() || place >= self.end.get() {
+            return Err(Failed);
         }
-        match (self.whole.get(), start.0.checked_sub(1)) {
-            (0, _) => self.device.write(blocks, start),
-            (_, Some(before)) => self.device.write(blocks, BlockIdx(before)),
-            // The simulated table is never written.
-            (_, None) => Ok(()),
-        }
+        self.check(self.device.write(blocks, BlockIdx(place)))
     }
 
-    fn num_blocks(&self) -> Result<BlockCount, D::Error> {
+    fn num_blocks(&self) -> Result<BlockCount, Failed> {
         let more = u32::from(self.whole.get() != 0);
-        self.device.num_blocks().map(|count| BlockCount(count.0.saturating_add(more)))
+        let count = self.device.num_blocks().map_err(|_| Failed)?;
+        Ok(BlockCount(count.0.saturating_add(more)))
     }
 }
 
@@ -270,8 +305,8 @@ mod tests {
         media.look().unwrap();
         let before = media.device.0.borrow().clone();
         let block = [Block::new()];
-        media.shut();
-        media.write(&block, BlockIdx(2)).unwrap();
+        media.shut(true);
+        assert_eq!(media.write(&block, BlockIdx(2)), Err(Failed));
         assert_eq!(*media.device.0.borrow(), before);
         media.look().unwrap();
         media.write(&block, BlockIdx(2)).unwrap();
@@ -289,6 +324,16 @@ mod tests {
         block
     }
 
+    /// The first block of NTFS has no tables and a length of zero where FAT has its own.
+    fn ntfs() -> [u8; 512] {
+        let mut block = [0; 512];
+        block[..14].copy_from_slice(b"\xEB\x52\x90NTFS    \x00\x02\x08");
+        block[21] = 0xF8;
+        block[36..40].copy_from_slice(&[0x80, 0, 0x80, 0]);
+        block[510..].copy_from_slice(&[0x55, 0xAA]);
+        block
+    }
+
     #[test]
     fn what_is_on_a_card_has_a_name() {
         let none = Media::new(Disk(RefCell::new(vec![])));
@@ -300,6 +345,7 @@ mod tests {
         assert_eq!(look(fat(4000, 12, 1), [0; 512]), Err(CardState::Fat12));
         assert_eq!(look(table(1).contents, fat(9000, 40, 1)), Ok(()));
         assert_eq!(look(fat(9000, 40, 1), [0; 512]), Ok(()));
+        assert_eq!(look(table(1).contents, ntfs()), Err(CardState::NotFat));
         let mut far = table(1).contents;
         far[PARTITION_AT + 9] = 1;
         assert_eq!(look(far, [0; 512]), Err(CardState::Unreadable));

@@ -194,6 +194,24 @@ fn no_acknowledge_is_silence_and_is_tried_again() {
     });
 }
 
+/// The conversion before was read and checked: it is not lost too.
+#[test]
+fn a_start_that_fails_costs_the_conversion_that_it_should_start() {
+    let nack = ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address);
+    let mut first = [vec![ready()], sample(1, [0, 0, 7])].concat();
+    if let Some(start) = first.last_mut() {
+        *start = write(&[0x08]).with_error(nack);
+    }
+    let again = [vec![data(1, [0, 0, 7])], set_up(), vec![start()]].concat();
+    let after = [vec![ready()], sample(1, [0, 0, 9])].concat();
+    run(script(&[set_up(), vec![start()], first, again, after]), |adc| {
+        assert_eq!(adc.tick(), Ok(None));
+        assert_eq!(adc.tick(), Ok(Some(Counts(7))));
+        assert_eq!(adc.tick(), Err(AdcFault::NotReady));
+        assert_eq!(adc.tick(), Ok(Some(Counts(9))));
+    });
+}
+
 #[test]
 fn a_conversion_that_is_not_there_is_not_ready() {
     one_fault(vec![ask(0x28, &[0b0101_0000, 0b1010_1111])], AdcFault::NotReady);

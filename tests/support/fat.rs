@@ -103,6 +103,7 @@ pub struct SimCard {
     cut: Rc<Cell<Option<(u64, Rest)>>>,
     is_new: Rc<Cell<bool>>,
     is_unreadable: Rc<Cell<bool>>,
+    fails_after: Rc<Cell<Option<u32>>>,
 }
 
 /// Error: the power is off, or the card does not answer.
@@ -122,8 +123,9 @@ impl SimCard {
     #[must_use]
     pub fn new(bytes: Vec<u8>) -> Self {
         let (written, cut) = (Rc::default(), Rc::default());
-        let (is_new, is_unreadable) = (Rc::default(), Rc::default());
-        Self { bytes: Rc::new(RefCell::new(bytes)), written, cut, is_new, is_unreadable }
+        let (is_new, is_unreadable, fails_after) = (Rc::default(), Rc::default(), Rc::default());
+        let bytes = Rc::new(RefCell::new(bytes));
+        Self { bytes, written, cut, is_new, is_unreadable, fails_after }
     }
 
     /// Exchanges the card for one with the given content, which does not answer the first access,
@@ -138,7 +140,17 @@ impl SimCard {
         self.is_unreadable.set(!is_readable);
     }
 
+    /// Lets one access fail, after `count` others that succeed.
+    pub fn fail_once_after(&self, count: u32) {
+        self.fails_after.set(Some(count));
+    }
+
     fn answer(&self) -> Result<(), Dead> {
+        let fails = self.fails_after.get() == Some(0);
+        self.fails_after.set(self.fails_after.get().and_then(|left| left.checked_sub(1)));
+        if fails {
+            return Err(Dead);
+        }
         if self.is_dead() || self.is_new.replace(false) { Err(Dead) } else { Ok(()) }
     }
 

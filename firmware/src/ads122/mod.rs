@@ -210,7 +210,8 @@ impl<B: Bus, D: DelayNs> BridgeAdc for Ads122<B, D> {
         if taken.is_err() || self.state == State::Unset {
             self.set_up().or_else(|fault| taken.and(Err(fault)))?;
         }
-        self.start()?;
+        // A start that fails costs the next sample: the counter stays, so the chip is not ready.
+        let _ = self.start();
         taken
     }
 

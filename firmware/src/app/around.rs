@@ -1,11 +1,9 @@
 //! Commands around a test: zero, span and weight, clock, notes.
 
 use embedded_io::{Read, ReadReady, Write};
-use heapless::String;
 
 use super::{App, Job, NO_TEST, config_error};
 use crate::adc::Climate;
-use crate::console::INPUT_LEN;
 use crate::line::Line;
 use crate::measuring::{Measuring, Task};
 use crate::settings::{Settings, Zero};
@@ -79,8 +77,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             self.settings.force_n(floe_core::Counts(settings.config.calibration.tare_counts));
         if self.pulled {
             self.settings.zero.after_n = Some(moved_n);
-            let stored = self.journal.remember(&self.settings);
-            self.check_store(stored.is_err());
+            self.journal.remember(&self.settings);
             self.pulled = false;
         }
         settings.zero = Zero { before_n: Some(0.0), after_n: None };
@@ -89,7 +86,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     // Not inlined, because texts are large.
     /// Writes a note to the log; between tests it belongs to the previous test.
     #[inline(never)]
-    pub(super) fn note(&mut self, words: &String<INPUT_LEN>) -> Result<(), &'static str> {
+    pub(super) fn note(&mut self, words: &str) -> Result<(), &'static str> {
         if !self.testing() && !self.pulled {
             return Err(NO_TEST);
         }
@@ -98,8 +95,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         self.console.say(&line);
         self.journal.line(&line);
         if !self.testing() {
-            let stored = self.journal.flush();
-            self.check_store(stored.is_err());
+            self.journal.flush();
         }
         Ok(())
     }
@@ -173,6 +169,8 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     pub(super) fn sync(&mut self, index: u32) {
         let Job::Test(test) = &self.job else { return };
         if let (Some(first), Some(unix_ms)) = (test.first_index, self.clock.at(index)) {
+            // The clock may have been set after the beginning.
+            self.journal.date(self.clock.at(first));
             let index = index.wrapping_sub(first);
             self.tell(&Line::Sync { index, unix_ms });
         }

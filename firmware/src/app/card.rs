@@ -30,7 +30,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             return;
         }
         log::info!("card: {}", state);
-        if !before.is_some_and(CardState::is_usable) {
+        if before.is_some_and(|before| !before.is_usable()) {
             self.take_over();
         }
         match state {
@@ -44,25 +44,22 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             | CardState::Fat12
             | CardState::NotFat
             | CardState::NoRoom
-            | CardState::Full => self.console.tell(&Line::Trouble(state.words())),
+            | CardState::Full => self.console.trouble(state.words()),
         }
     }
 
     /// Continues after the last test on the card, unless a test has run since power-up. Takes the
-    /// card's settings unless the user has set others, and resumes its test if that was not ended.
-    /// A card that missed the end of a test on this board gets the current settings.
+    /// card's settings unless there are some already, and resumes its test if that was not ended.
+    /// A card that comes later gets the current settings, and misses no end of a test.
     fn take_over(&mut self) {
         if self.testing() {
             return;
         }
-        if self.part.run > 0 {
-            // A card present since power-up has missed no sector.
-            if self.journal.failures() > 0 {
-                let stored = self.journal.remember(&self.settings);
-                self.check_store(stored.is_err());
-            }
-        } else if self.recall() {
+        let comes_later = self.is_set;
+        if self.part.run == 0 && self.recall() {
             self.resume();
+        } else if comes_later {
+            self.journal.remember(&self.settings);
         }
     }
 
@@ -120,10 +117,11 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         self.info("the test goes on: stop ends it");
     }
 
-    pub(super) fn check_store(&mut self, failed: bool) {
-        // Reported at the first failure and then about every half hour.
-        if failed && self.journal.failures() % 4096 == 1 {
-            self.console.tell(&Line::Trouble("no card, full or broken: nothing is kept"));
+    /// Reports that sectors cannot be written, at the first failure and then about every half hour.
+    pub(super) fn check_store(&mut self) {
+        let failures = self.journal.failures().div_ceil(4096);
+        if failures != core::mem::replace(&mut self.failures, failures) {
+            self.console.trouble("no card, full or broken: nothing is kept");
         }
     }
 }

@@ -18,22 +18,23 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         };
         let done = command.and_then(|command| self.execute(command));
         if let Err(reason) = done {
-            self.console.tell(&Line::Trouble(reason));
+            self.console.trouble(reason);
         }
     }
 
     #[inline(never)]
-    fn execute(&mut self, command: Command) -> Result<(), &'static str> {
+    fn execute(&mut self, command: Command<'_>) -> Result<(), &'static str> {
         match command {
             Command::Status => self.status(),
             Command::Live(live) => self.live = live,
-            Command::Help => self.console.tell(&Line::Info(HELP)),
+            Command::Help => self.info(HELP),
             Command::Stop => self.stop()?,
-            Command::Note(words) => self.note(&words)?,
+            Command::Note(words) => self.note(words)?,
             Command::Winch(winch) => self.mark_winch(winch)?,
             Command::Clock(moment) => self.set_clock(moment)?,
             _ if self.testing() => return Err("a test is running; stop ends it"),
-            Command::Start if matches!(self.job, Job::Measuring(_)) => {
+            // A measurement is computed with the settings that it began with.
+            Command::Start | Command::Set(_) if matches!(self.job, Job::Measuring(_)) => {
                 return Err("accept or abort?");
             }
             Command::Start => self.start()?,
@@ -57,8 +58,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     pub(super) fn change(&mut self, settings: Settings) {
         self.settings = settings;
         self.is_set = true;
-        let stored = self.journal.remember(&self.settings);
-        self.check_store(stored.is_err());
+        self.journal.remember(&self.settings);
         self.say_settings();
     }
 
@@ -71,8 +71,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     /// Answers on the console only: the card has these data already, and displays ask often.
     #[inline(never)]
     fn status(&mut self) {
-        let settings = Line::Start { run: self.part.run, settings: self.settings.clone() };
-        self.console.tell(&settings);
+        self.say_settings();
         if let Some(report) = self.report() {
             self.console.tell(&Line::Report(report));
         }

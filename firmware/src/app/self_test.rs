@@ -20,14 +20,16 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         let Job::SelfTest(test) = &mut self.job else { return };
         if let Some(trouble) = SelfTest::judge(&mean, &self.settings) {
             test.fail();
-            self.console.tell(&Line::Trouble(trouble));
+            self.console.trouble(trouble);
         }
         if test.advance() {
             return self.shared.want(test.input());
         }
-        let percent = 100.0 * part_of_range(mean.mean, &self.settings);
-        self.console.tell(&Line::Info(&text(("load ", Fixed(percent, 1), " % of the range"))));
         let passed = test.passed();
+        let percent = 100.0 * part_of_range(mean.mean, &self.settings);
+        if mean.count > 0 {
+            self.info(&text(("load ", Fixed(percent, 1), " % of the range")));
+        }
         self.job = Job::Idle;
         self.shared.want(crate::adc::Input::Bridge);
         self.console.tell(&Line::Health(self.health()));

@@ -67,6 +67,8 @@ impl Test {
         self.reached = Reached::end_of(record).or(self.reached);
         self.samples.extend(record.samples.iter().copied());
         self.lines.push_str(&record.text);
+        // The clock may have been set during the test.
+        self.part.start_ms = self.part.start_ms.or(record.part.start_ms);
         self.overruns = record.overruns.wrapping_sub(self.overruns_before);
         // A zero measured after the test belongs to it.
         let after_n = record.settings.zero.after_n;
