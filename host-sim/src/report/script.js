@@ -15,7 +15,7 @@ function start(data) {
     s.rate = a && b && b.n - a.n === 2 ? (b.f - a.f) / (2 * data.period) : NaN;
   });
   const events = data.events.map((e) => ({
-    index: e[0], from: e[1], onset: e[2], stop: e[3], to: e[4], fs: e[5], fp: e[6], fe: e[7],
+    index: e[0], from: e[2] - e[1], onset: e[2], stop: e[2] + e[3], to: e[2] + e[3] + e[4], fs: e[5], fp: e[6], fe: e[7],
     pull: e[8], omega: e[9], slack: e[10] === 1, mus: e[11], mu: e[12],
   }));
   const decimals = Math.min(9, Math.max(0, Math.round(-Math.log10(data.step))));
