@@ -6,7 +6,7 @@ use super::figure::{Figure, both, line_key, tint_key};
 use super::number::fixed;
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::scale::{Steps, TimeUnit, extent};
-use super::shading::shade;
+use super::shading::{shade, unclear};
 use super::svg::{Path, rectangle};
 use super::zoom::window_s;
 
@@ -30,9 +30,13 @@ pub(super) fn history(context: &Context<'_>, focus: Option<&Focus<'_>>) -> Optio
         true => "",
         false => ", and a tint that deepens with the share of time in motion",
     };
+    let unclear = match context.result.events.is_empty() || unclear(context).is_empty() {
+        true => "",
+        false => " Where it is not known whether the block rests there is no tint.",
+    };
     let caption = format!(
         "Force in the cable over the whole log; where the samples do not fit, a band from the \
-         smallest to the largest{tint}.{zoomed}"
+         smallest to the largest{tint}.{unclear}{zoomed}"
     );
     Some(Figure { class: "history", drawings: vec![drawing], keys, caption })
 }
