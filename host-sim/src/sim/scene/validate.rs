@@ -113,15 +113,24 @@ impl Scene {
         require(mu_s.is_finite() && mu_s >= mu, || {
             format!("mu_s = {mu_s}: must be a number not below mu = {mu}")
         })?;
-        let end_deg = self.slope_deg + self.tilt.map_or(0.0, |t| t.deg_per_m) * self.way_m();
-        let tangent = |deg: f64| deg.to_radians().tan().abs();
-        let steepest = tangent(self.slope_deg).max(tangent(end_deg));
-        require(end_deg.abs() < 60.0 && steepest < mu, || {
+        let end_deg = self.end_deg();
+        require(end_deg.abs() < 60.0 && self.steepest() < mu, || {
             format!(
                 "slope_deg, {} to {end_deg:.1}: a block with mu = {mu} slides down by itself",
                 self.slope_deg
             )
         })
+    }
+
+    /// Slope at the end of the test, degrees.
+    fn end_deg(&self) -> f64 {
+        self.slope_deg + self.tilt.map_or(0.0, |t| t.deg_per_m) * self.way_m()
+    }
+
+    /// Tangent of the steepest slope in the test, up or down.
+    pub(in crate::sim) fn steepest(&self) -> f64 {
+        let [start, end] = [self.slope_deg, self.end_deg()].map(|deg| deg.to_radians().tan().abs());
+        start.max(end)
     }
 
     /// Distance that the winch takes up, m.
