@@ -1,6 +1,6 @@
 //! Checks of a scene before it is computed.
 
-use super::{Scene, SceneError, WinchProfile};
+use super::{Scene, SceneError, Weighing, WinchProfile};
 use crate::sim::check::{above_zero, between, not_negative, positive, require};
 
 /// Largest force, stiffness or length; a larger one is a typing error.
@@ -69,15 +69,23 @@ impl Scene {
             not_negative("drag.n_s2_per_m2", drag.n_s2_per_m2)?;
             not_negative("drag.n_s_per_m", drag.n_s_per_m)?;
         }
-        if let Some(weighing) = &self.weighing {
-            between("weighing.swing_deg", weighing.swing_deg, 0.0, 60.0)?;
-            positive("weighing.length_m", weighing.length_m)?;
-            not_negative("weighing.damping_per_s", weighing.damping_per_s)?;
-        }
+        self.weighing.as_ref().map_or(Ok(()), |w| self.validate_weighing(w))?;
         self.hold_time.as_ref().map_or(Ok(()), |h| h.validate())?;
         self.rate_dependence.as_ref().map_or(Ok(()), |r| r.validate(self.mu))?;
         self.validate_laws()?;
         self.winch_profile.as_ref().map_or(Ok(()), WinchProfile::validate)
+    }
+
+    /// Rejects terms of a pull beside a block that hangs: they would have no effect.
+    fn validate_weighing(&self, weighing: &Weighing) -> Result<(), SceneError> {
+        between("weighing.swing_deg", weighing.swing_deg, 0.0, 60.0)?;
+        positive("weighing.length_m", weighing.length_m)?;
+        not_negative("weighing.damping_per_s", weighing.damping_per_s)?;
+        let others = self.of_motion().into_iter().filter(|(name, on)| *on && *name != "weighing");
+        let others: Vec<&str> = others.map(|(name, _)| name).collect();
+        require(others.is_empty(), || {
+            format!("weighing: the block hangs and is not pulled: leave out {}", others.join(", "))
+        })
     }
 
     /// Rejects laws of friction or of the cable that cannot be combined.
@@ -179,5 +187,21 @@ impl Scene {
         let s = &self.start;
         let ok = (1..=366).contains(&s.day) && s.hour < 24 && s.minute < 60;
         require(ok, || "start: day must be 1 to 366, hour 0 to 23, minute 0 to 59".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sim::terms::Breaking;
+
+    #[test]
+    fn a_block_that_hangs_is_not_pulled() {
+        let weighing = Weighing { swing_deg: 5.0, length_m: 3.0, damping_per_s: 0.0 };
+        let hangs = Scene { weighing: Some(weighing), ..Scene::default() };
+        assert_eq!(hangs.validate(), Ok(()));
+        let breaking = Some(Breaking { at_s: 20.0, weight_n: 100.0 });
+        let said = Scene { breaking, ..hangs }.validate().unwrap_err().to_string();
+        assert_eq!(said, "weighing: the block hangs and is not pulled: leave out breaking");
     }
 }
