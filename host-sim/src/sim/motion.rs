@@ -285,7 +285,6 @@ mod tests {
     use super::super::rate_and_state::RateAndState;
     use super::super::winch::WinchProfile;
     use super::super::{Scene, simulate};
-    use super::*;
 
     /// The block starts with the speed that the winch has then, not with the nominal one.
     #[test]
