@@ -265,6 +265,8 @@ impl Panel<'_> {
             Coefficient::MuS => ("μs", "s"),
         };
         let (low, high) = extent(all.iter().map(|p| p.1), 0.08);
+        // The margin does not reach below zero where no value does.
+        let low = if all.iter().all(|p| p.1 >= 0.0) { low.max(0.0) } else { low };
         Spec {
             id,
             layout,
@@ -278,7 +280,7 @@ impl Panel<'_> {
                 readout: (name, unit.to_owned()),
             },
             y: Axis {
-                domain: (low.max(0.0), high),
+                domain: (low, high),
                 steps: Steps::Decimal,
                 label: svg::symbol("μ", subscript),
                 readout: (symbol, String::new()),
@@ -291,6 +293,17 @@ impl Panel<'_> {
 mod tests {
     use super::*;
     use crate::campaign::programme;
+
+    #[test]
+    fn a_coefficient_below_zero_is_on_the_paper() {
+        let mut tests: Vec<_> = (0..4).map(|i| programme::evaluate(1, 0, i).unwrap()).collect();
+        tests.iter_mut().for_each(|test| test.mu.mean = test.mu.mean.map(|mean| mean - 0.7));
+        let summary = Summary::new(&tests, 0, None);
+        let (against, coefficient) = (Against::WeightKn, Coefficient::Mu);
+        let panel = Panel { summary: &summary, tests: &tests, against, coefficient };
+        let plot = Plot::new(&panel.spec(Layout::Wide, "", ""));
+        assert!(panel.points(Group::All).into_iter().all(|point| plot.contains(point)));
+    }
 
     /// A test on bare ice is drawn as one, whatever the others do not say.
     #[test]

@@ -141,7 +141,8 @@ function curve(e, from, to) {
 
 // The data points of a figure, those outside its axes left out.
 function pointsOf(kind, samples, events, x, y, forceUnit) {
-  const factor = y.unit.startsWith(forceUnit) ? 1 : y.unit.startsWith("k") ? 1e-3 : NaN;
+  const size = (unit) => ({ M: 1e6, k: 1e3, m: 1e-3, "\u00b5": 1e-6 }[unit[0]] ?? 1);
+  const factor = size(forceUnit) / size(y.unit);
   // What is far outside is drawn at the edge, 8 % of the height inside the frame.
   const edge = y.high / 1.16;
   const places = {
@@ -277,7 +278,7 @@ function inside(plot, event) {
 }
 
 function minus(text) {
-  return text.replace("-", "\u2212");
+  return text.replace("-", +text === 0 ? "" : "\u2212");
 }
 
 function make(tag, attributes, parent, text) {
