@@ -88,7 +88,7 @@ fn list(tests: &[TestRecord]) -> String {
             escape(&t.test_id),
             fixed(t.weight_n, decimals(t.weight_n)),
             known(t.winch_m_per_s.map(|w| w * 1e3), 1),
-            known(t.snow_mm, 0),
+            known(t.snow_mm, 1),
             t.event_count,
             minus(&of_test(&t.mu_s)),
             minus(&of_test(&t.mu)),
