@@ -26,10 +26,13 @@ pub(super) fn data(context: &Context<'_>) -> String {
     };
     let events = &context.result.events;
     let mut wanted: Vec<usize> = chosen(events).map(|(position, _)| position).collect();
-    wanted.extend((0..events.len()).filter(|&i| events.get(i).is_some_and(covered)));
+    // Each row of the table opens a closer look; the others are left out first.
+    let room = MOST_EVENTS.saturating_sub(wanted.len());
+    let is_other = |i: &usize| wanted.binary_search(i).is_err();
+    let others = (0..events.len()).filter(|i| is_other(i) && events.get(*i).is_some_and(covered));
+    let others: Vec<usize> = others.take(room).collect();
+    wanted.extend(others);
     wanted.sort_unstable();
-    wanted.dedup();
-    wanted.truncate(MOST_EVENTS);
     let events: Vec<String> = wanted.into_iter().filter_map(|i| event(context, i, step)).collect();
     format!(
         "<script type=\"application/json\" id=\"data\">{{\"zero\":{},\"period\":{},\"step\":{step:e},\
@@ -180,6 +183,24 @@ mod tests {
         for (told, event) in data["events"].as_array().unwrap().iter().zip(log.result.events.iter())
         {
             assert!((told[2].as_f64().unwrap() - event.onset_s).abs() < 1e-6, "{told}");
+        }
+    }
+
+    #[test]
+    fn the_rows_of_the_table_are_told_whatever_the_number_of_events() {
+        let mut log = SampleLog::dff8_13(3600.0);
+        let first = log.result.events[0].clone();
+        let event = |index: u32| {
+            let onset_s = 0.7 * f64::from(index);
+            EventSummary { index, onset_s, stop_s: onset_s + 0.2, ..first.clone() }
+        };
+        log.result.events.kept = (0..5000).map(event).collect();
+        let data = parsed(&log.result, &log.recorder());
+        let told: Vec<u64> =
+            data["events"].as_array().unwrap().iter().map(|e| e[0].as_u64().unwrap()).collect();
+        assert!(told.len() == MOST_EVENTS && told.is_sorted());
+        for (_, row) in chosen(&log.result.events) {
+            assert!(told.contains(&row.index.into()), "{}", row.index);
         }
     }
 
