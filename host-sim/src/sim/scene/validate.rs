@@ -7,7 +7,7 @@ use crate::sim::check::{above_zero, between, not_negative, positive, require};
 const LARGEST: f64 = 1e12;
 /// Most samples of a scene: two years at 16 Hz.
 const MOST_SAMPLES: f64 = 1e9;
-/// Most slips of a scene.
+/// Most slips of a scene, and most steps for its winch.
 const MOST_SLIPS: f64 = 1e8;
 
 impl Scene {
@@ -180,6 +180,13 @@ impl Scene {
                 "stiffness_n_per_m = {}: about {slips:.1e} slips in {} s, at most {MOST_SLIPS:e}",
                 self.stiffness_n_per_m, self.duration_s
             )
+        })?;
+        let changes = self.winch_profile.as_ref().map_or(0.0, |it| it.work(self.duration_s));
+        require(changes <= MOST_SLIPS, || {
+            format!(
+                "winch_profile: about {changes:.1e} steps in {} s, at most {MOST_SLIPS:e}",
+                self.duration_s
+            )
         })
     }
 
@@ -194,6 +201,18 @@ impl Scene {
 mod tests {
     use super::*;
     use crate::sim::terms::Breaking;
+
+    /// Such a scene was computed for hours.
+    #[test]
+    fn a_winch_that_turns_on_and_off_too_often_is_refused() {
+        let with = |go_s| {
+            let winch_profile = Some(WinchProfile::StopAndGo { go_s, stop_s: 1e-9 });
+            Scene { winch_profile, ..Scene::default() }.validate()
+        };
+        assert_eq!(with(1.0), Ok(()));
+        let said = with(1e-9).unwrap_err().to_string();
+        assert_eq!(said, "winch_profile: about 1.2e11 steps in 120 s, at most 1e8");
+    }
 
     #[test]
     fn a_block_that_hangs_is_not_pulled() {
