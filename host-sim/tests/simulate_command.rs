@@ -75,6 +75,19 @@ fn refused(folder: &Path, arguments: &[&str]) -> String {
 }
 
 #[test]
+fn what_is_said_of_a_log_is_so() {
+    let folder = folder("said");
+    fs::copy(scene("hard/dropped.toml"), folder.join("my scene.toml")).unwrap();
+    let said = floe(&folder, &["simulate", "my scene.toml", "-o", "log.csv"]);
+    let log = fs::read_to_string(folder.join("log.csv")).unwrap();
+    let rows = log.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).count();
+    assert!(said.starts_with(&format!("log.csv: {rows} samples at 16 Hz, ")), "{said}");
+    let command = "# made_by: floe simulate 'my scene.toml' -o log.csv --seed 1";
+    assert!(log.lines().any(|line| line == command), "{log}");
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
 fn a_name_of_several_lines_is_refused_and_a_path_of_several_stays_a_comment() {
     let folder = folder("lines");
     let whole = fs::read_to_string(scene("dff8-13.toml")).unwrap();

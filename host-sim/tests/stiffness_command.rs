@@ -51,6 +51,36 @@ fn a_pull_that_counts_twice_is_said() {
     assert_eq!(text(&floe(&dir, &["a.csv", "b.csv"]).stderr), "");
 }
 
+/// What the log says of the winch counts, and an option replaces it, also where the log contradicts
+/// itself.
+#[test]
+fn the_deviation_of_the_winch_speed_comes_from_the_log_too() {
+    let dir = directory("winch_std");
+    let std_error = |head: &str, options: &[&str]| {
+        fs::write(dir.join("a.csv"), head.to_string() + &pull(80.0)).unwrap();
+        let output = floe(&dir, &[&["a.csv", "--json"], options].concat());
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        json["stiffness_n_per_m"]["std_error"].clone()
+    };
+    let (said, option) = ("# winch_std_m_per_s: 0.001\n", "--winch-std-m-per-s");
+    let given = std_error("", &[option, "0.001"]);
+    assert!(given.as_f64().unwrap() > 10.0 * std_error("", &[]).as_f64().unwrap(), "{given}");
+    assert_eq!(std_error(said, &[]), given);
+    assert_eq!(std_error(said, &[option, "0"]), std_error("", &[]));
+    let both = "# winch_std_m_per_s: 0.002\n# winch_m_per_s: 0.02\n";
+    let options = [option, "0.001", "--winch-m-per-s", "0.0157"];
+    assert_eq!(std_error(&(said.to_string() + both), &options), given);
+}
+
+#[test]
+fn a_deviation_without_its_length_is_said_to_have_no_use() {
+    let dir = directory("length_std");
+    fs::write(dir.join("a.csv"), pull(80.0).replace("# cable_length_m: 15\n", "")).unwrap();
+    let said = text(&floe(&dir, &["a.csv", "--cable-length-std-m", "0.1"]).stderr);
+    let why = "--cable-length-std-m is not used without the length: --cable-length-m L";
+    assert_eq!(said, format!("floe: warning: a.csv: {why}\n"));
+}
+
 #[test]
 fn what_is_assumed_about_the_log_is_said() {
     let dir = directory("assumed");

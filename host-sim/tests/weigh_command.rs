@@ -157,6 +157,23 @@ fn a_zero_in_the_log_is_taken_off() {
 }
 
 /// Saturated readings give no weight; a few of them are left out and reported.
+/// An option replaces what the log says, also where the log contradicts itself.
+#[test]
+fn a_rate_that_is_given_settles_what_the_log_says() {
+    let path = file("two_rates.csv");
+    let head = "# rate_hz: 16\n# rate_hz: 17\n";
+    let rows = std::fs::read_to_string(log("rate.csv", 60, swinging)).unwrap();
+    std::fs::write(&path, head.to_string() + &rows).unwrap();
+    let name = path.to_str().unwrap();
+    for command in ["weigh", "inspect"] {
+        let run = |options: &[&str]| {
+            let mut floe = Command::new(env!("CARGO_BIN_EXE_floe"));
+            floe.args([command, name]).args(options).output().unwrap().status.code()
+        };
+        assert_eq!((run(&[]), run(&["--rate-hz", "16"])), (Some(2), Some(0)), "{command}");
+    }
+}
+
 #[test]
 fn saturated_readings_are_counted() {
     let heavy = std::fs::read_to_string(log("heavy.csv", 20, |_| 630.0)).expect("kept");

@@ -13,6 +13,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
 use crate::error::InputError;
+use crate::replay::quantities::Quantities;
 use crate::replay::result::EventSummary;
 use crate::replay::without_losses;
 use crate::sim::terms::{Snow, Variation};
@@ -98,7 +99,8 @@ pub fn scene(seed: u64, campaign: u32, test: u32) -> (Scene, u64) {
 pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, InputError> {
     let (scene, seed_of_test) = scene(seed, campaign, test);
     let mut run = Run::new(&scene, seed_of_test).map_err(InputError::new)?;
-    let mut pipeline = Pipeline::new(&config(&scene)).map_err(InputError::new)?;
+    let config = config(&scene);
+    let mut pipeline = Pipeline::new(&config).map_err(InputError::new)?;
     let events = found(&mut pipeline, &mut run);
     if let Some(failure) = run.failure() {
         return Err(InputError::new(failure));
@@ -106,10 +108,10 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
     let report = pipeline.report();
     let seconds =
         |t: floe_core::SampleTime| (t.index as f64 + f64::from(t.fraction)) / scene.rate_hz;
-    let losses = pipeline.losses();
+    let quantities = Quantities::new(&config, &report);
     let measured = |event: &Event| {
         let mut measured = EventSummary::new(event, seconds(event.onset), seconds(event.stop));
-        measured.put_on(losses, 0.0);
+        quantities.complete(&mut measured);
         with_truth(measured, run.events())
     };
     let events: Vec<EventRecord> = events.iter().map(measured).collect();
@@ -167,6 +169,10 @@ fn with_truth(measured: EventSummary, truth: &[TrueEvent]) -> EventRecord {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log::{Log, LogOptions};
+    use crate::replay::replay;
+    use crate::replay::test::{TestOptions, configure};
+    use crate::sim::write;
 
     #[test]
     fn the_programme_has_the_published_means_and_trends() {
@@ -206,6 +212,37 @@ mod tests {
             (mu, PUBLISHED[2].1, 0.005),
         ] {
             assert!((mean - printed).abs() < half, "{mean} {printed}");
+        }
+    }
+
+    /// Each test is evaluated as a replay of its log would be.
+    #[test]
+    fn an_event_has_all_that_a_replay_gives() {
+        let (scene, seed_of_test) = scene(1, 0, 4);
+        let mut bytes = Vec::new();
+        write::csv_head(&mut bytes, &scene, seed_of_test, "").unwrap();
+        for sample in Run::new(&scene, seed_of_test).unwrap() {
+            write::csv_line(&mut bytes, write::force_decimals(&scene), &sample).unwrap();
+        }
+        let input = Box::new(std::io::Cursor::new(bytes));
+        let mut log = Log::from_reader(input, &LogOptions::default()).unwrap();
+        let config = configure(&log, &TestOptions::default()).unwrap();
+        let replayed = replay("", &mut log, &config, |_, _| {}).unwrap().events;
+        let events = evaluate(1, 0, 4).unwrap().events;
+        assert_eq!(events.len(), replayed.found());
+        for (event, other) in events.iter().zip(replayed.iter()) {
+            let [mut own, other] =
+                [&event.measured, other].map(|it| serde_json::to_value(it).unwrap());
+            // The forces in the log are rounded.
+            own["onset_time"] = other["onset_time"].clone();
+            for (key, other) in other.as_object().unwrap() {
+                let near = |other: f64| {
+                    let own = own[key].as_f64().unwrap_or(f64::NAN);
+                    (own - other).abs() <= 1e-3 * other.abs()
+                };
+                let is_same = other.as_f64().map_or(other.is_null() == own[key].is_null(), near);
+                assert!(is_same, "{key}: {} {other}", own[key]);
+            }
         }
     }
 

@@ -7,6 +7,7 @@ use clap::builder::NonEmptyStringValueParser;
 use crate::error::{InputError, printable_line};
 use crate::log::inspection::{Inspection, inspect};
 use crate::log::{Log, LogOptions};
+use crate::replay::test::TestOptions;
 use crate::rounding::{counted, decimals};
 
 use super::input::{STANDARD, open};
@@ -38,8 +39,9 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let name = if path == STANDARD { "standard input" } else { &path };
     let outputs: Vec<&Path> = json.file().into_iter().collect();
     let older = output::check(&outputs, &[Path::new(&path)])?;
+    let options = args.options.settled_by(&TestOptions::default());
     let found = open(&path, false)
-        .and_then(|input| Log::from_reader(input, &args.options))
+        .and_then(|input| Log::from_reader(input, &options))
         .and_then(|mut log| inspect(&path, &mut log))
         .map_err(|error| error.within(name))?;
     json.print(&found, || text(&found))?;

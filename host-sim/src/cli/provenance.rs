@@ -64,7 +64,7 @@ pub fn provenance(checksum: &Checksum) -> Provenance {
 }
 
 /// The command as a user would type it; invalid text, as in a path, has replacement characters.
-fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
+pub fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
     let plain = |text: &str| {
         let safe = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
         !text.is_empty() && text.chars().all(safe)

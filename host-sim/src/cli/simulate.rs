@@ -1,5 +1,6 @@
 //! `floe simulate`: creates a log with known truth from a scene.
 
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -10,6 +11,7 @@ use crate::short_file;
 use crate::sim::truth_file::TruthBuilder;
 use crate::sim::{Method, Run, Scene, write};
 
+use super::provenance::command_line;
 use super::{output, progress};
 
 /// Simulate a test: a log with known truth
@@ -60,9 +62,9 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let in_scene = |error: &dyn Display| InputError::new(error).within(args.scene.display());
     let mut run = Run::new(&scene, args.seed).map_err(|e| in_scene(&e))?;
     let mut truth = TruthBuilder::default();
-    output::stream(&args.output, |out| {
-        write_log(out, form, args, &scene, &mut run, &mut truth)?;
-        run.failure().map_or(Ok(()), |failure| Err(in_scene(&failure).into()))
+    let samples = output::stream(&args.output, |out| {
+        let samples = write_log(out, form, args, &scene, &mut run, &mut truth)?;
+        run.failure().map_or(Ok(samples), |failure| Err(in_scene(&failure).into()))
     })?;
     if let Some(path) = &args.truth {
         let truth = truth.finish(&scene, args.seed, &run);
@@ -70,7 +72,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
         output::replace(path, &(json + "\n"))?;
     }
     older.tell();
-    output::print(&summary(args, &scene, run.events().len()))
+    output::print(&summary(args, &scene, samples, run.events().len()))
 }
 
 fn form(path: &Path) -> Result<Form, InputError> {
@@ -99,6 +101,8 @@ pub fn read_scene(path: &Path, duration_s: Option<f64>) -> Result<Scene, InputEr
     Ok(scene)
 }
 
+/// Writes the log; returns the number of its samples, without the missing ones and with those that
+/// come twice.
 fn write_log(
     out: &mut impl Write,
     form: Form,
@@ -106,9 +110,10 @@ fn write_log(
     scene: &Scene,
     run: &mut Run,
     truth: &mut TruthBuilder,
-) -> io::Result<()> {
+) -> io::Result<u64> {
+    let mut samples = 0;
     if let Form::Csv = form {
-        write::csv_head(out, scene, args.seed, &command_line(args))?;
+        write::csv_head(out, scene, args.seed, &repeating(args))?;
     }
     let bar = progress::bar(scene.sample_count().into(), "{pos} of {len} samples, {eta} left");
     let force_decimals = write::force_decimals(scene);
@@ -116,30 +121,35 @@ fn write_log(
         if sample.index % LOOK == 0 {
             bar.set_position(sample.index.into());
         }
+        samples += 1;
         truth.push(&sample);
         match form {
             Form::Csv => write::csv_line(out, force_decimals, &sample)?,
             Form::Cr10 => write::cr10_line(out, scene.start, &sample)?,
         }
     }
-    Ok(())
+    Ok(samples)
 }
 
 /// The command to repeat the simulation, without the truth.
-fn command_line(args: &Args) -> String {
-    let duration = args.duration_s.map(|d| format!(" --duration-s {d}")).unwrap_or_default();
-    let (scene, output) = (args.scene.display(), args.output.display());
-    format!("floe simulate {scene} -o {output} --seed {}{duration}", args.seed)
+fn repeating(args: &Args) -> String {
+    let (scene, output) = (args.scene.clone().into(), args.output.clone().into());
+    let mut words: Vec<OsString> = vec!["floe".into(), "simulate".into(), scene];
+    words.extend(["-o".into(), output, "--seed".into(), args.seed.to_string().into()]);
+    if let Some(duration_s) = args.duration_s {
+        words.extend(["--duration-s".into(), duration_s.to_string().into()]);
+    }
+    command_line(words.into_iter())
 }
 
-fn summary(args: &Args, scene: &Scene, events: usize) -> String {
+fn summary(args: &Args, scene: &Scene, samples: u64, events: usize) -> String {
     let terms = scene.terms();
     let terms = if terms.is_empty() { "none".to_owned() } else { terms.join(", ") };
     let output = args.output.display().to_string();
     format!(
         "{}: {} at {} Hz, {}, seed {}\nmethod: {}\nterms: {terms}\n",
         printable_line(&output),
-        counted(u64::from(scene.sample_count()), "sample"),
+        counted(samples, "sample"),
         scene.rate_hz,
         counted(events as u64, "event"),
         args.seed,

@@ -10,6 +10,8 @@ use clap::builder::NonEmptyStringValueParser;
 
 use crate::error::{InputError, printable_line};
 use crate::log::{Log, LogOptions};
+use crate::replay::known::KnownOptions;
+use crate::replay::test::TestOptions;
 use crate::rounding::{counted, plus_minus};
 use crate::stiffness::{Measured, Pull, Stiffness, Together, stiffness, straight_part, together};
 
@@ -34,16 +36,16 @@ pub struct Args {
     /// Take-up speed of the winch, m/s [default: as the log says]
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     winch_m_per_s: Option<f64>,
-    /// Its standard deviation, m/s
-    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
-    winch_std_m_per_s: f64,
+    /// Its standard deviation, m/s [default: as the log says, else 0]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    winch_std_m_per_s: Option<f64>,
     /// Free length of the cable, m, for AE; one for all logs or one for each
     /// [default: as the log says]
     #[arg(long, value_name = "L", value_delimiter = ',', allow_negative_numbers = true)]
     cable_length_m: Vec<f64>,
-    /// Its standard deviation, m
-    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
-    cable_length_std_m: f64,
+    /// Its standard deviation, m [default: 0]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    cable_length_std_m: Option<f64>,
     /// Write what the winch has taken up and the force, m and N, of every sample on a line
     #[arg(long, value_name = "FILE.csv")]
     extension: Option<PathBuf>,
@@ -169,7 +171,10 @@ fn tell_twice(found: &[Found]) {
 }
 
 fn measure(path: &str, args: &Args, number: usize) -> Result<Found, InputError> {
-    let mut log = Log::from_reader(open(path, false)?, &args.log_options)?;
+    let (winch_m_per_s, winch_std_m_per_s) = (args.winch_m_per_s, args.winch_std_m_per_s);
+    let known = KnownOptions { winch_std_m_per_s, ..KnownOptions::default() };
+    let given = TestOptions { winch_m_per_s, known: Box::new(known), ..TestOptions::default() };
+    let mut log = Log::from_reader(open(path, false)?, &args.log_options.settled_by(&given))?;
     let mut samples = Vec::new();
     while let Some(sample) = log.next_sample()? {
         match sample.raw.reading {
@@ -183,7 +188,12 @@ fn measure(path: &str, args: &Args, number: usize) -> Result<Found, InputError> 
     let none = "no rise of the force to put a line through: is this a pull against a post?";
     let pull = pull(args, number, &log)?;
     let stiffness = stiffness(&samples, &pull).ok_or_else(|| InputError::new(none))?;
-    output::warn(path, &log.warnings());
+    let mut warnings = log.warnings();
+    if pull.cable_length_m.is_none() && args.cable_length_std_m.is_some() {
+        let unused = "--cable-length-std-m is not used without the length: --cable-length-m L";
+        warnings.push(unused.to_string());
+    }
+    output::warn(path, &warnings);
     let synthetic = log.metadata().synthetic.clone();
     Ok(Found { path: path.to_string(), pull, stiffness, synthetic, samples })
 }
@@ -195,6 +205,9 @@ fn pull(args: &Args, number: usize, log: &Log) -> Result<Pull, InputError> {
     let speed = args.winch_m_per_s.or(said.winch_m_per_s);
     let given = args.cable_length_m.get(number).or(args.cable_length_m.first());
     let length = given.copied().or(said.cable_length_m);
+    let mut known = said.known;
+    let speed_std =
+        args.winch_std_m_per_s.or(known.field("winch_std_m_per_s").and_then(|std| *std));
     let positive = |name: &str, value: f64, std_error: f64| {
         let refuse = |why: String| Err(InputError::new(format!("{name} {why}")));
         if !value.is_finite() || value <= 0.0 {
@@ -206,10 +219,11 @@ fn pull(args: &Args, number: usize, log: &Log) -> Result<Pull, InputError> {
         Ok(Measured { value, std_error })
     };
     let speed = speed.ok_or_else(|| InputError::new(unknown))?;
+    let length_std = args.cable_length_std_m.unwrap_or(0.0);
     Ok(Pull {
-        winch_m_per_s: positive("the winch's speed", speed, args.winch_std_m_per_s)?,
+        winch_m_per_s: positive("the winch's speed", speed, speed_std.unwrap_or(0.0))?,
         cable_length_m: length
-            .map(|length| positive("the cable's length", length, args.cable_length_std_m))
+            .map(|length| positive("the cable's length", length, length_std))
             .transpose()?,
     })
 }

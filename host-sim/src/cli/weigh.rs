@@ -65,9 +65,9 @@ pub fn run(args: &Args) -> Result<(), InputError> {
 
 /// The weight, and assumptions about the log.
 fn measure(path: &str, args: &Args) -> Result<(Weight, Vec<String>), InputError> {
-    let mut log = Log::from_reader(open(path, false)?, &args.log_options)?;
     let (tare_counts, counts_per_n) = (args.tare_counts, args.counts_per_n);
     let given = TestOptions { tare_counts, counts_per_n, ..TestOptions::default() };
+    let mut log = Log::from_reader(open(path, false)?, &args.log_options.settled_by(&given))?;
     let calibration = calibration(&log, &given)?;
     let range_n = log.metadata().range_n.map(|range_n| range_n as f32);
     let config = Config { calibration, range_n, ..Config::default() };

@@ -205,8 +205,13 @@ impl State {
         (self.after_settings, self.taken) = (true, Some(now));
     }
 
-    /// Dates the test by the first time of day in it, as on the card.
+    /// Dates the test by the first time of day in it, as on the card. A test with a date begins with
+    /// that of its first sample: without a card, a board whose power was off gives its next test the
+    /// number of the one before.
     fn date(&mut self, index: u32, unix_ms: u64) {
+        if index == 0 {
+            self.began = None;
+        }
         let unix_s = unix_ms as f64 / 1e3 - index as f64 / self.rate_hz();
         self.began.get_or_insert(Start { unix_s, is_utc: true });
     }

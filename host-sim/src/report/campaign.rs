@@ -88,7 +88,7 @@ fn list(tests: &[TestRecord]) -> String {
             escape(&t.test_id),
             fixed(t.weight_n, decimals(t.weight_n)),
             known(t.winch_m_per_s.map(|w| w * 1e3), 1),
-            known(t.snow_mm, 0),
+            known(t.snow_mm, 1),
             t.event_count,
             minus(&of_test(&t.mu_s)),
             minus(&of_test(&t.mu)),
@@ -129,6 +129,14 @@ impl Panel<'_> {
         points(self.tests, group, self.against, self.coefficient)
     }
 
+    /// The points of the tests that do not say whether there was snow.
+    fn untold(&self) -> Vec<(f64, f64)> {
+        let untold = self.tests.iter().filter(|test| test.has_snow().is_none());
+        untold
+            .filter_map(|test| Some((self.against.of(test)?, self.coefficient.of(test)?)))
+            .collect()
+    }
+
     fn trend(&self, group: Group) -> Option<&NamedTrend> {
         self.summary.trends.iter().find(|t| {
             t.group == group && t.against == self.against && t.coefficient == self.coefficient
@@ -155,6 +163,9 @@ impl Panel<'_> {
             .filter(|(group, _)| !self.points(*group).is_empty())
             .map(|(group, tone)| dot_key(&format!("event {tone}"), group.name()))
             .collect();
+        if !self.untold().is_empty() {
+            keys.push(dot_key("cloud", "snow not known"));
+        }
         if !self.lines().is_empty() {
             keys.push(line_key("mean", "line by least squares, ± one standard error"));
         }
@@ -229,11 +240,7 @@ impl Panel<'_> {
     }
 
     fn draw_points(&self, plot: &mut Plot) {
-        let mut untold = self.tests.iter().filter(|t| t.has_snow().is_none()).peekable();
-        if untold.peek().is_some() {
-            plot.dots("event static", self.points(Group::All).into_iter().take(MOST_POINTS));
-            return;
-        }
+        plot.dots("cloud", self.untold().into_iter().take(MOST_POINTS));
         for (group, tone) in DRAWN {
             let points = self.points(group);
             plot.dots(&format!("event {tone}"), points.into_iter().take(MOST_POINTS));
@@ -258,6 +265,8 @@ impl Panel<'_> {
             Coefficient::MuS => ("μs", "s"),
         };
         let (low, high) = extent(all.iter().map(|p| p.1), 0.08);
+        // The margin does not reach below zero where no value does.
+        let low = if all.iter().all(|p| p.1 >= 0.0) { low.max(0.0) } else { low };
         Spec {
             id,
             layout,
@@ -271,11 +280,54 @@ impl Panel<'_> {
                 readout: (name, unit.to_owned()),
             },
             y: Axis {
-                domain: (low.max(0.0), high),
+                domain: (low, high),
                 steps: Steps::Decimal,
                 label: svg::symbol("μ", subscript),
                 readout: (symbol, String::new()),
             },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::campaign::programme;
+
+    #[test]
+    fn a_coefficient_below_zero_is_on_the_paper() {
+        let mut tests: Vec<_> = (0..4).map(|i| programme::evaluate(1, 0, i).unwrap()).collect();
+        tests.iter_mut().for_each(|test| test.mu.mean = test.mu.mean.map(|mean| mean - 0.7));
+        let summary = Summary::new(&tests, 0, None);
+        let (against, coefficient) = (Against::WeightKn, Coefficient::Mu);
+        let panel = Panel { summary: &summary, tests: &tests, against, coefficient };
+        let plot = Plot::new(&panel.spec(Layout::Wide, "", ""));
+        assert!(panel.points(Group::All).into_iter().all(|point| plot.contains(point)));
+    }
+
+    /// A test on bare ice is drawn as one, whatever the others do not say.
+    #[test]
+    fn points_have_the_colour_of_their_key() {
+        let mut tests: Vec<_> = (0..4).map(|i| programme::evaluate(1, 0, i).unwrap()).collect();
+        tests[0].snow_mm = None;
+        let summary = Summary::new(&tests, 0, None);
+        let page = render_campaign(&summary, &tests);
+        let (_, figure) = page.split_once("id=\"weight-mu-wide\"").unwrap();
+        let (drawing, rest) = figure.split_once("</svg>").unwrap();
+        let keys =
+            rest.split_once("class=\"keys\"").unwrap().1.split_once("<figcaption").unwrap().0;
+        for (class, name, dots) in [
+            ("event dynamic", "no snow", 2),
+            ("event static", "snow", 1),
+            ("cloud", "snow not known", 1),
+        ] {
+            let path = format!("<path class=\"{class}\" d=\"");
+            let drawn = drawing.split_once(&path).unwrap().1.split_once('"').unwrap().0;
+            assert_eq!(drawn.matches('M').count(), dots, "{name}");
+            assert!(
+                keys.contains(&path) && keys.contains(&format!("<span>{name}</span>")),
+                "{keys}"
+            );
         }
     }
 }

@@ -26,10 +26,13 @@ pub(super) fn data(context: &Context<'_>) -> String {
     };
     let events = &context.result.events;
     let mut wanted: Vec<usize> = chosen(events).map(|(position, _)| position).collect();
-    wanted.extend((0..events.len()).filter(|&i| events.get(i).is_some_and(covered)));
+    // Each row of the table opens a closer look; the others are left out first.
+    let room = MOST_EVENTS.saturating_sub(wanted.len());
+    let is_other = |i: &usize| wanted.binary_search(i).is_err();
+    let others = (0..events.len()).filter(|i| is_other(i) && events.get(*i).is_some_and(covered));
+    let others: Vec<usize> = others.take(room).collect();
+    wanted.extend(others);
     wanted.sort_unstable();
-    wanted.dedup();
-    wanted.truncate(MOST_EVENTS);
     let events: Vec<String> = wanted.into_iter().filter_map(|i| event(context, i, step)).collect();
     format!(
         "<script type=\"application/json\" id=\"data\">{{\"zero\":{},\"period\":{},\"step\":{step:e},\
@@ -78,26 +81,25 @@ fn clip(context: &Context<'_>, stretch: &Stretch<'_>, step: f64) -> String {
         if steps.is_finite() { format!("{steps}") } else { "null".into() }
     };
     let forces: Vec<String> = stretch.forces_n.iter().map(force).collect();
-    let start = short(stretch.start_s - context.zero_s);
+    let start = moment(stretch.start_s - context.zero_s);
     format!("[{},{start},[{}]]", stretch.first, forces.join(","))
 }
 
-/// The fields of an event, in the order of the script: index, from, onset, stop, to, fs, fp, fe,
-/// pull, omega, slack, mu_s and mu.
+/// The fields of an event, in the order of the script: index, time of the fit before the slip, onset,
+/// length of the slip, time of the fit after it, fs, fp, fe, pull, omega, slack, mu_s and mu.
 fn event(context: &Context<'_>, position: usize, step: f64) -> Option<String> {
     let events = &context.result.events;
     let e = events.get(position)?;
     let (before_s, after_s) = reach_s(events, position);
-    let time = |t: f64| short(t - context.zero_s);
     let force = |f: f64| short((f * context.force.factor / step * 10.0).round() * step / 10.0);
     let maybe = |value: Option<f64>| value.map_or("null".into(), short);
     Some(format!(
         "[{},{},{},{},{},{},{},{},{},{},{},{},{}]",
         e.index,
-        time(e.onset_s - before_s),
-        time(e.onset_s),
-        time(e.stop_s),
-        time(e.stop_s + after_s),
+        decimal(before_s, 3),
+        moment(e.onset_s - context.zero_s),
+        short(e.stop_s - e.onset_s),
+        decimal(after_s, 3),
         force(e.static_force_n),
         force(e.dynamic_force_n),
         force(e.restick_force_n),
@@ -111,11 +113,21 @@ fn event(context: &Context<'_>, position: usize, step: f64) -> Option<String> {
 
 /// A number with seven significant digits, without trailing zeros.
 fn short(x: f64) -> String {
+    let decimals = if x == 0.0 { 0 } else { (6 - x.abs().log10().floor() as i32).clamp(0, 12) };
+    decimal(x, decimals as usize)
+}
+
+/// A time to a microsecond, however late in the log: in a slip the force falls by kilonewtons in a
+/// second, and a residual is the difference of two forces at one time.
+fn moment(time_s: f64) -> String {
+    decimal(time_s, 6)
+}
+
+fn decimal(x: f64, decimals: usize) -> String {
     if !x.is_finite() {
         return "null".into();
     }
-    let decimals = if x == 0.0 { 0 } else { (6 - x.abs().log10().floor() as i32).clamp(0, 12) };
-    let text = format!("{x:.*}", decimals as usize);
+    let text = format!("{x:.decimals$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 
@@ -155,6 +167,41 @@ mod tests {
         let data = parsed(&log.result, &recorder);
         assert_eq!((&data["zero"], &data["clips"][0][1]), (&1_712_345_678.into(), &0.25.into()));
         assert_eq!(parsed(&log.result, &log.recorder())["zero"], 0);
+    }
+
+    /// After hours of record the residuals of the script are still those of the fit.
+    #[test]
+    fn a_late_time_is_as_exact_as_an_early_one() {
+        let late_s = 80_000.0;
+        let mut log = SampleLog::dff8_13(20.0);
+        let mut recorder = Recorder::new(16.0);
+        log.times_s.iter().zip(&log.steps).for_each(|(t, step)| recorder.push(late_s + t, step));
+        for event in &mut log.result.events.kept {
+            (event.onset_s, event.stop_s) = (event.onset_s + late_s, event.stop_s + late_s);
+        }
+        let data = parsed(&log.result, &recorder);
+        for (told, event) in data["events"].as_array().unwrap().iter().zip(log.result.events.iter())
+        {
+            assert!((told[2].as_f64().unwrap() - event.onset_s).abs() < 1e-6, "{told}");
+        }
+    }
+
+    #[test]
+    fn the_rows_of_the_table_are_told_whatever_the_number_of_events() {
+        let mut log = SampleLog::dff8_13(3600.0);
+        let first = log.result.events[0].clone();
+        let event = |index: u32| {
+            let onset_s = 0.7 * f64::from(index);
+            EventSummary { index, onset_s, stop_s: onset_s + 0.2, ..first.clone() }
+        };
+        log.result.events.kept = (0..5000).map(event).collect();
+        let data = parsed(&log.result, &log.recorder());
+        let told: Vec<u64> =
+            data["events"].as_array().unwrap().iter().map(|e| e[0].as_u64().unwrap()).collect();
+        assert!(told.len() == MOST_EVENTS && told.is_sorted());
+        for (_, row) in chosen(&log.result.events) {
+            assert!(told.contains(&row.index.into()), "{}", row.index);
+        }
     }
 
     #[test]

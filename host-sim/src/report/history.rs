@@ -6,7 +6,7 @@ use super::figure::{Figure, both, line_key, tint_key};
 use super::number::fixed;
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::scale::{Steps, TimeUnit, extent};
-use super::shading::shade;
+use super::shading::{shade, unclear};
 use super::svg::{Path, rectangle};
 use super::zoom::window_s;
 
@@ -22,7 +22,7 @@ pub(super) fn history(context: &Context<'_>, focus: Option<&Focus<'_>>) -> Optio
         keys.push(tint_key("stick", "at rest (stick)"));
         keys.push(tint_key("slip", "moving (slip)"));
     }
-    if context.recorder.envelope.buckets().iter().any(lost) {
+    if context.recorder.lost_s().next().is_some() {
         keys.push(line_key("lost", "samples missing, rejected or saturated"));
     }
     let zoomed = if focus.is_some() { " The box is the stretch of the next figure." } else { "" };
@@ -30,9 +30,13 @@ pub(super) fn history(context: &Context<'_>, focus: Option<&Focus<'_>>) -> Optio
         true => "",
         false => ", and a tint that deepens with the share of time in motion",
     };
+    let unclear = match context.result.events.is_empty() || unclear(context).is_empty() {
+        true => "",
+        false => " Where it is not known whether the block rests there is no tint.",
+    };
     let caption = format!(
         "Force in the cable over the whole log; where the samples do not fit, a band from the \
-         smallest to the largest{tint}.{zoomed}"
+         smallest to the largest{tint}.{unclear}{zoomed}"
     );
     Some(Figure { class: "history", drawings: vec![drawing], keys, caption })
 }
@@ -52,7 +56,7 @@ fn draw(context: &Context<'_>, focus: Option<&Focus<'_>>, layout: Layout) -> Str
         let band = band(context, &plot, &columns);
         plot.draw(&band);
     }
-    draw_lost(context, &mut plot, buckets);
+    draw_lost(context, &mut plot);
     if let Some(focus) = focus {
         let (from_s, to_s) = window_s(context, focus, layout);
         let (from, to) = (plot.x.at(from_s - context.zero_s), plot.x.at(to_s - context.zero_s));
@@ -110,17 +114,13 @@ fn band(context: &Context<'_>, plot: &Plot, columns: &[Bucket]) -> String {
     path.element("band")
 }
 
-fn lost(bucket: &Bucket) -> bool {
-    bucket.lost > 0 || bucket.used == 0
-}
-
 /// Bars along the top where samples have no force.
-fn draw_lost(context: &Context<'_>, plot: &mut Plot, buckets: &[Bucket]) {
+fn draw_lost(context: &Context<'_>, plot: &mut Plot) {
     let mut path = Path::default();
     let mut drawn = String::new();
     let top = plot.y.range.1;
-    for bucket in buckets.iter().filter(|b| lost(b) && b.start_s.is_finite()) {
-        let x = plot.x.at(bucket.start_s - context.zero_s);
+    for time_s in context.recorder.lost_s() {
+        let x = plot.x.at(time_s - context.zero_s);
         let place = fixed(x, 0);
         if place != drawn {
             path.bar(x, top, top + 9.0);
@@ -128,4 +128,27 @@ fn draw_lost(context: &Context<'_>, plot: &mut Plot, buckets: &[Bucket]) {
         }
     }
     plot.draw(&path.element("lost"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample_log::SampleLog;
+    use super::*;
+
+    /// In a short log, whose samples have a bucket each, and in a long one.
+    #[test]
+    fn a_gap_is_marked() {
+        for duration_s in [60.0, 1800.0] {
+            let mut log = SampleLog::dff8_13(duration_s);
+            let bars = |log: &SampleLog| {
+                let recorder = log.recorder();
+                let figure = history(&Context::new(&log.result, &recorder), None).unwrap();
+                figure.drawings[0][0].matches("class=\"lost\"").count()
+            };
+            assert_eq!(bars(&log), 0);
+            log.times_s.drain(400..405);
+            log.steps.drain(400..405);
+            assert_eq!(bars(&log), 1, "{duration_s} s");
+        }
+    }
 }

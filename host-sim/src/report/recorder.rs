@@ -3,7 +3,7 @@
 use floe_core::{SampleFlag, Step};
 
 use super::clips::Clips;
-use super::envelope::Envelope;
+use super::envelope::{Bucket, Envelope};
 
 /// Keeps the samples for the figures, in bounded memory whatever the length of
 /// the log (about 5 MB at most, 0.3 MB for an hour at 16 Hz).
@@ -62,6 +62,19 @@ impl Recorder {
         let (first, last) = (with_time().next()?, with_time().next_back()?);
         let samples = last.used.saturating_add(last.lost).max(1);
         Some((first.start_s, last.start_s + f64::from(samples) * self.period_s))
+    }
+
+    /// Times, s, of the buckets in which a sample is missing or has no force. The last one may be
+    /// incomplete because the log ends.
+    pub(super) fn lost_s(&self) -> impl Iterator<Item = f64> {
+        let (buckets, width) = (self.envelope.buckets(), self.envelope.width());
+        let start_s = self.span_s().map_or(0.0, |span| span.0);
+        let step_s = width as f64 * self.period_s;
+        let is_lost = move |i: usize, bucket: &Bucket| {
+            bucket.lost > 0 || i + 1 < buckets.len() && u64::from(bucket.used) < width
+        };
+        let lost = buckets.iter().enumerate().filter(move |(i, bucket)| is_lost(*i, bucket));
+        lost.map(move |(i, _)| start_s + i as f64 * step_s)
     }
 
     /// Smallest and largest force, N.

@@ -15,7 +15,7 @@ function start(data) {
     s.rate = a && b && b.n - a.n === 2 ? (b.f - a.f) / (2 * data.period) : NaN;
   });
   const events = data.events.map((e) => ({
-    index: e[0], from: e[1], onset: e[2], stop: e[3], to: e[4], fs: e[5], fp: e[6], fe: e[7],
+    index: e[0], from: e[2] - e[1], onset: e[2], stop: e[2] + e[3], to: e[2] + e[3] + e[4], fs: e[5], fp: e[6], fe: e[7],
     pull: e[8], omega: e[9], slack: e[10] === 1, mus: e[11], mu: e[12],
   }));
   const decimals = Math.min(9, Math.max(0, Math.round(-Math.log10(data.step))));
@@ -141,7 +141,8 @@ function curve(e, from, to) {
 
 // The data points of a figure, those outside its axes left out.
 function pointsOf(kind, samples, events, x, y, forceUnit) {
-  const factor = y.unit.startsWith(forceUnit) ? 1 : y.unit.startsWith("k") ? 1e-3 : NaN;
+  const size = (unit) => ({ M: 1e6, k: 1e3, m: 1e-3, "\u00b5": 1e-6 }[unit[0]] ?? 1);
+  const factor = size(forceUnit) / size(y.unit);
   // What is far outside is drawn at the edge, 8 % of the height inside the frame.
   const edge = y.high / 1.16;
   const places = {
@@ -277,7 +278,7 @@ function inside(plot, event) {
 }
 
 function minus(text) {
-  return text.replace("-", "\u2212");
+  return text.replace("-", +text === 0 ? "" : "\u2212");
 }
 
 function make(tag, attributes, parent, text) {

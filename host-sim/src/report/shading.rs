@@ -29,8 +29,29 @@ pub(super) fn shade(context: &Context<'_>, plot: &mut Plot) {
 pub(super) fn shade_each(context: &Context<'_>, plot: &mut Plot, events: &[EventSummary]) {
     let Some(first) = context.result.events.first() else { return };
     let zero_s = context.zero_s;
-    plot.shade("stick", first.onset_s - rest_s(first) - zero_s, plot.x.domain.1);
+    shade_rest(context, plot, (first.onset_s - rest_s(first) - zero_s, plot.x.domain.1));
     events.iter().for_each(|e| plot.shade("slip", e.onset_s - zero_s, e.stop_s - zero_s));
+}
+
+/// Tints a rest, except where it is not known that the block rests.
+fn shade_rest(context: &Context<'_>, plot: &mut Plot, (mut from, to): (f64, f64)) {
+    for (start_s, stop_s) in unclear(context) {
+        plot.shade("stick", from, to.min(start_s - context.zero_s));
+        from = from.max(stop_s - context.zero_s);
+    }
+    plot.shade("stick", from, to);
+}
+
+/// Stretches in which the block may slide, in order: a constant force, unless the winch was held, and
+/// falls that are not slips.
+pub(super) fn unclear(context: &Context<'_>) -> Vec<(f64, f64)> {
+    let stretches = &context.result.stretches;
+    let steady = stretches.steady.iter().filter(|it| it.moving != Some(false));
+    let steady = steady.map(|it| (it.start_s, it.stop_s));
+    let others = stretches.not_understood.iter().map(|it| (it.start_s, it.stop_s));
+    let mut all: Vec<_> = steady.chain(others).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all
 }
 
 /// Whether slips are far enough apart to be drawn one by one.
@@ -62,7 +83,7 @@ fn shade_shares(context: &Context<'_>, plot: &mut Plot, rest_from: f64) {
     for run in levels.chunk_by(|a, b| a == b) {
         let (start, end) = (low + from as f64 * width, low + (from + run.len()) as f64 * width);
         match run.first() {
-            Some(0) => plot.shade("stick", start.max(rest_from), end),
+            Some(0) => shade_rest(context, plot, (start.max(rest_from), end)),
             Some(level) => plot.shade(&format!("slip level-{level}"), start, end),
             None => {}
         }
@@ -82,5 +103,49 @@ fn add_share(
         let begins = start_s + i as f64 * width_s;
         let overlap_s = event.stop_s.min(begins + width_s) - event.onset_s.max(begins);
         *share += weight * overlap_s.max(0.0) / width_s;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::history::history;
+    use super::super::sample_log::SampleLog;
+    use super::*;
+    use crate::replay::stretches::SteadySummary;
+
+    /// A block that may slide is not tinted as one at rest, whether slips are drawn one by one or
+    /// not.
+    #[test]
+    fn a_steady_stretch_is_no_rest() {
+        for duration_s in [60.0, 3600.0] {
+            let mut log = SampleLog::dff8_13(duration_s);
+            let half_s = duration_s / 2.0;
+            log.result.events.kept.retain(|event| event.stop_s < half_s);
+            let steady = |moving| SteadySummary {
+                start_s: half_s,
+                stop_s: duration_s,
+                force_over_weight: 0.78,
+                std: 0.001,
+                moving,
+                sliding: (0.78, 0.001),
+            };
+            let tinted_px = |log: &SampleLog| {
+                let recorder = log.recorder();
+                let figure = history(&Context::new(&log.result, &recorder), None).unwrap();
+                let width = |tint: &str| {
+                    let width = tint.split("width=\"").nth(1).unwrap().split('"').next().unwrap();
+                    width.parse::<f64>().unwrap()
+                };
+                let tints = figure.drawings[0][0].split("<rect ");
+                tints.filter(|it| it.starts_with("class=\"stick\"")).map(width).sum::<f64>()
+            };
+            log.result.stretches.steady = vec![steady(Some(false))];
+            let held = tinted_px(&log);
+            for moving in [Some(true), None] {
+                log.result.stretches.steady = vec![steady(moving)];
+                let less = held - tinted_px(&log);
+                assert!((500.0..600.0).contains(&less), "{duration_s} s, {moving:?}: {less}");
+            }
+        }
     }
 }

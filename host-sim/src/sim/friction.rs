@@ -22,6 +22,8 @@ pub struct Pair {
 #[derive(Clone, Debug)]
 pub struct Friction {
     mean: Pair,
+    /// Least value of both coefficients: with less, the block would slide down the slope by itself.
+    least: f64,
     variation: Option<Variation>,
     wander: Option<Wander>,
     level: Option<f64>,
@@ -36,6 +38,7 @@ impl Friction {
         let (mu_s, mu) = scene.coefficients();
         Self {
             mean: Pair { mu_s, mu, partial: false },
+            least: mu.min(1.01 * scene.steepest()),
             variation: scene.variation,
             wander: scene.wander,
             level: None,
@@ -54,10 +57,11 @@ impl Friction {
             Some(wander) => self.wandered(pair, wander),
             None => pair,
         };
-        match self.partial_slips {
+        let pair = match self.partial_slips {
             Some(partial) => self.reduce(pair, partial),
             None => pair,
-        }
+        };
+        Pair { mu_s: pair.mu_s.max(self.least), mu: pair.mu.max(self.least), ..pair }
     }
 
     /// With the probability of partial slips, the coefficients of such a slip. The drop of the
@@ -95,5 +99,26 @@ impl Friction {
 
     fn uniform(&mut self) -> f64 {
         StandardUniform.sample(&mut self.random)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::{self, Stream};
+    use super::*;
+
+    #[test]
+    fn no_draw_lets_the_block_slide_down_by_itself() {
+        let scene = Scene {
+            slope_deg: -36.0,
+            variation: Some(Variation { mu_s_fraction: 0.3, mu_fraction: 0.3 }),
+            wander: Some(Wander { fraction: 0.2, events: 3.0 }),
+            partial_slips: Some(PartialSlips { probability: 0.5, drop_fraction: 1.0 }),
+            ..Scene::default()
+        };
+        let mut friction = Friction::new(&scene, random::stream(1, Stream::Friction));
+        for pair in (0..1000).map(|_| friction.draw()) {
+            assert!(pair.mu_s >= pair.mu && pair.mu > 36_f64.to_radians().tan(), "{pair:?}");
+        }
     }
 }

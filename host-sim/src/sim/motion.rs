@@ -122,7 +122,7 @@ impl Segments {
         let mut physics = Physics::new(scene, friction.draw(), seed);
         let mut state = State { force_n: scene.start_force_n, contact_s: 1.0, ..State::default() };
         if scene.start_sliding {
-            state.speed_m_per_s = scene.winch_m_per_s;
+            state.speed_m_per_s = physics.winch_m_per_s(0.0).max(0.0);
             state.force_n = physics.resistance_n(&state);
         }
         physics.settle_cable(&state);
@@ -277,5 +277,41 @@ fn after(phase: Phase, end: End) -> Phase {
         (Phase::Slip, End::Slack) => Phase::SlackSliding,
         (Phase::SlackSliding, End::Stop) | (Phase::Stick, End::Slack) => Phase::SlackStuck,
         (phase, End::Continue | End::Onset | End::Stop | End::Slack | End::Taut) => phase,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rate_and_state::RateAndState;
+    use super::super::winch::WinchProfile;
+    use super::super::{Scene, simulate};
+
+    /// The block starts with the speed that the winch has then, not with the nominal one.
+    #[test]
+    fn a_block_that_starts_sliding_slides_on() {
+        let factor = 0.5;
+        for profile in [
+            WinchProfile::FirstSlip { factor },
+            WinchProfile::Steps { steps: vec![[0.0, factor]], period_s: None },
+        ] {
+            let winch_profile = Some(profile);
+            let scene = Scene { start_sliding: true, winch_profile, ..Scene::default() };
+            let simulation = simulate(&scene, 1).unwrap();
+            let steady_n = scene.mu * scene.weight_n;
+            assert_eq!(simulation.events, []);
+            assert!(simulation.samples.iter().all(|s| (s.force_n - steady_n).abs() < 1e-6));
+        }
+    }
+
+    #[test]
+    fn nothing_slips_at_a_post() {
+        let law =
+            RateAndState { reference_m_per_s: 0.01, direct: 0.01, evolving: 0.02, renewal_m: 1e-4 };
+        let rate_and_state = Some(law);
+        let scene = Scene { post: true, duration_s: 5.0, rate_and_state, ..Scene::default() };
+        for sample in simulate(&scene, 1).unwrap().samples {
+            let expected_n = scene.stiffness_n_per_m * scene.winch_m_per_s * sample.time_s;
+            assert!((sample.force_n - expected_n).abs() < 1e-6, "{sample:?}");
+        }
     }
 }

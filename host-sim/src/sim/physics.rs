@@ -236,6 +236,9 @@ impl Physics {
     /// Speed of the creep of a resting block, m/s.
     #[must_use]
     pub fn creep_m_per_s(&self, state: &State) -> f64 {
+        if self.post {
+            return 0.0;
+        }
         if let Some(law) = self.rate_and_state {
             let (sin, cos) = self.slope_rad(state.position_m).sin_cos();
             let mu = (state.force_n / self.weight_n - sin) / cos;

@@ -1,5 +1,5 @@
 //! Random numbers: one seed and an independent stream for each purpose, so that turning a term on
-//! does not change the numbers of the others.
+//! does not change the numbers of those with another purpose.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

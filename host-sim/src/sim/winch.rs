@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{SceneError, between, not_negative, positive, require};
 
+/// Longest integration step over the period of a ripple.
+const PART_OF_RIPPLE: f64 = 0.125;
+
 /// A winch whose speed varies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, tag = "kind", rename_all = "snake_case")]
@@ -67,6 +70,23 @@ impl WinchProfile {
             }
             Self::FirstSlip { factor } => between("winch_profile.factor", *factor, 0.01, 100.0),
             Self::Steps { steps, period_s } => validate_steps(steps, *period_s),
+        }
+    }
+}
+
+impl WinchProfile {
+    /// Number of steps that the computation takes for the winch alone, about.
+    pub(super) fn work(&self, duration_s: f64) -> f64 {
+        match self {
+            Self::Ripple { period_s, .. } => duration_s / (PART_OF_RIPPLE * period_s),
+            Self::StopAndGo { go_s, stop_s } => 2.0 * duration_s / (go_s + stop_s),
+            Self::Pauses { every_s, least_s, most_s } => {
+                2.0 * duration_s / (every_s + 0.5 * (least_s + most_s))
+            }
+            Self::FirstSlip { .. } => 1.0,
+            Self::Steps { steps, period_s } => {
+                steps.len() as f64 * period_s.map_or(1.0, |period_s| duration_s / period_s)
+            }
         }
     }
 }
@@ -145,7 +165,7 @@ impl Winch {
     /// The longest integration step that cannot miss an event, s.
     pub(super) fn longest_step_s(&self) -> f64 {
         match self.profile {
-            Some(WinchProfile::Ripple { period_s, .. }) => 0.125 * period_s,
+            Some(WinchProfile::Ripple { period_s, .. }) => PART_OF_RIPPLE * period_s,
             _ => f64::INFINITY,
         }
     }

@@ -221,3 +221,17 @@ fn the_effects_that_the_test_shows_are_named() {
     say(&mut state, &Line::Report(refused), 15.0);
     assert!(!told(&state).contains("shows"));
 }
+
+/// Without a card, a board whose power was off counts its tests from 1 again.
+#[test]
+fn a_test_with_the_number_of_the_one_before_has_a_date_of_its_own() {
+    let mut state = State::default();
+    let began = |state: &mut State, index, unix_ms| {
+        say(state, &settings(1, 630.0), 1.0);
+        say(state, &Line::Sync { index, unix_ms }, 1.0);
+        state.began.unwrap().unix_s.round() as u64
+    };
+    assert_eq!(began(&mut state, 0, 1_000_000), 1_000);
+    assert_eq!(began(&mut state, 160, 1_010_500), 1_000, "the first in a test counts");
+    assert_eq!(began(&mut state, 0, 9_000_000), 9_000);
+}

@@ -10,7 +10,7 @@ impl Scene {
         all.filter_map(|(name, on)| on.then_some(name)).collect()
     }
 
-    fn of_motion(&self) -> [(&'static str, bool); 22] {
+    pub(super) fn of_motion(&self) -> [(&'static str, bool); 22] {
         [
             ("slope", self.slope_deg.abs() > 0.0),
             ("post", self.post),

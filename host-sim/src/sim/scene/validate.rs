@@ -1,13 +1,13 @@
 //! Checks of a scene before it is computed.
 
-use super::{Scene, SceneError, WinchProfile};
+use super::{Scene, SceneError, Weighing, WinchProfile};
 use crate::sim::check::{above_zero, between, not_negative, positive, require};
 
 /// Largest force, stiffness or length; a larger one is a typing error.
 const LARGEST: f64 = 1e12;
 /// Most samples of a scene: two years at 16 Hz.
 const MOST_SAMPLES: f64 = 1e9;
-/// Most slips of a scene.
+/// Most slips of a scene, and most steps for its winch.
 const MOST_SLIPS: f64 = 1e8;
 
 impl Scene {
@@ -69,15 +69,23 @@ impl Scene {
             not_negative("drag.n_s2_per_m2", drag.n_s2_per_m2)?;
             not_negative("drag.n_s_per_m", drag.n_s_per_m)?;
         }
-        if let Some(weighing) = &self.weighing {
-            between("weighing.swing_deg", weighing.swing_deg, 0.0, 60.0)?;
-            positive("weighing.length_m", weighing.length_m)?;
-            not_negative("weighing.damping_per_s", weighing.damping_per_s)?;
-        }
+        self.weighing.as_ref().map_or(Ok(()), |w| self.validate_weighing(w))?;
         self.hold_time.as_ref().map_or(Ok(()), |h| h.validate())?;
         self.rate_dependence.as_ref().map_or(Ok(()), |r| r.validate(self.mu))?;
         self.validate_laws()?;
         self.winch_profile.as_ref().map_or(Ok(()), WinchProfile::validate)
+    }
+
+    /// Rejects terms of a pull beside a block that hangs: they would have no effect.
+    fn validate_weighing(&self, weighing: &Weighing) -> Result<(), SceneError> {
+        between("weighing.swing_deg", weighing.swing_deg, 0.0, 60.0)?;
+        positive("weighing.length_m", weighing.length_m)?;
+        not_negative("weighing.damping_per_s", weighing.damping_per_s)?;
+        let others = self.of_motion().into_iter().filter(|(name, on)| *on && *name != "weighing");
+        let others: Vec<&str> = others.map(|(name, _)| name).collect();
+        require(others.is_empty(), || {
+            format!("weighing: the block hangs and is not pulled: leave out {}", others.join(", "))
+        })
     }
 
     /// Rejects laws of friction or of the cable that cannot be combined.
@@ -113,15 +121,24 @@ impl Scene {
         require(mu_s.is_finite() && mu_s >= mu, || {
             format!("mu_s = {mu_s}: must be a number not below mu = {mu}")
         })?;
-        let end_deg = self.slope_deg + self.tilt.map_or(0.0, |t| t.deg_per_m) * self.way_m();
-        let tangent = |deg: f64| deg.to_radians().tan().abs();
-        let steepest = tangent(self.slope_deg).max(tangent(end_deg));
-        require(end_deg.abs() < 60.0 && steepest < mu, || {
+        let end_deg = self.end_deg();
+        require(end_deg.abs() < 60.0 && self.steepest() < mu, || {
             format!(
                 "slope_deg, {} to {end_deg:.1}: a block with mu = {mu} slides down by itself",
                 self.slope_deg
             )
         })
+    }
+
+    /// Slope at the end of the test, degrees.
+    fn end_deg(&self) -> f64 {
+        self.slope_deg + self.tilt.map_or(0.0, |t| t.deg_per_m) * self.way_m()
+    }
+
+    /// Tangent of the steepest slope in the test, up or down.
+    pub(in crate::sim) fn steepest(&self) -> f64 {
+        let [start, end] = [self.slope_deg, self.end_deg()].map(|deg| deg.to_radians().tan().abs());
+        start.max(end)
     }
 
     /// Distance that the winch takes up, m.
@@ -163,6 +180,13 @@ impl Scene {
                 "stiffness_n_per_m = {}: about {slips:.1e} slips in {} s, at most {MOST_SLIPS:e}",
                 self.stiffness_n_per_m, self.duration_s
             )
+        })?;
+        let changes = self.winch_profile.as_ref().map_or(0.0, |it| it.work(self.duration_s));
+        require(changes <= MOST_SLIPS, || {
+            format!(
+                "winch_profile: about {changes:.1e} steps in {} s, at most {MOST_SLIPS:e}",
+                self.duration_s
+            )
         })
     }
 
@@ -170,5 +194,33 @@ impl Scene {
         let s = &self.start;
         let ok = (1..=366).contains(&s.day) && s.hour < 24 && s.minute < 60;
         require(ok, || "start: day must be 1 to 366, hour 0 to 23, minute 0 to 59".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sim::terms::Breaking;
+
+    /// Such a scene was computed for hours.
+    #[test]
+    fn a_winch_that_turns_on_and_off_too_often_is_refused() {
+        let with = |go_s| {
+            let winch_profile = Some(WinchProfile::StopAndGo { go_s, stop_s: 1e-9 });
+            Scene { winch_profile, ..Scene::default() }.validate()
+        };
+        assert_eq!(with(1.0), Ok(()));
+        let said = with(1e-9).unwrap_err().to_string();
+        assert_eq!(said, "winch_profile: about 1.2e11 steps in 120 s, at most 1e8");
+    }
+
+    #[test]
+    fn a_block_that_hangs_is_not_pulled() {
+        let weighing = Weighing { swing_deg: 5.0, length_m: 3.0, damping_per_s: 0.0 };
+        let hangs = Scene { weighing: Some(weighing), ..Scene::default() };
+        assert_eq!(hangs.validate(), Ok(()));
+        let breaking = Some(Breaking { at_s: 20.0, weight_n: 100.0 });
+        let said = Scene { breaking, ..hangs }.validate().unwrap_err().to_string();
+        assert_eq!(said, "weighing: the block hangs and is not pulled: leave out breaking");
     }
 }
