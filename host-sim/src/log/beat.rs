@@ -25,10 +25,8 @@ pub(super) fn beating(
     let [others, usual] = places;
     let is_digit = (digit_s(&times, unit_s) / step_s - 1.0).abs() < NEAR;
     let is_one_kind = 4 * others.len() <= usual.len();
-    // At the rate of the digit itself stamps are only off now and then.
-    let beats = |it: &Beat| (it.rate_hz * step_s - 1.0).abs() > 1e-6;
     let Beat { rows, rate_hz: own_hz } =
-        Beat::of(&usual, &others, &times).filter(|it| is_digit && is_one_kind && beats(it))?;
+        Beat::of(&usual, &others, &times).filter(|_| is_digit && is_one_kind)?;
     let rate_hz = given_hz.unwrap_or(own_hz);
     let first = times.iter().zip(0_u32..).take(rows);
     let starts_s: f64 = first.map(|(time_s, row)| time_s - f64::from(row) / rate_hz).sum();

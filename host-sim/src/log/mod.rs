@@ -300,12 +300,7 @@ impl Log {
         rows.find_record_step(&mut head);
         refuse_other_unit(&rows, options)?;
         let mut rate_hz = options.rate_hz.or(rows.metadata.rate_hz);
-        refuse_rate(rate_hz).map_err(|error| match rows.metadata.line("rate_hz") {
-            Some(line) if options.rate_hz.is_none() => {
-                error.within(format_args!("line {line}: '# rate_hz:'"))
-            }
-            _ => error,
-        })?;
+        refuse_rate(options.rate_hz, &rows.metadata)?;
         match options.rate_hz {
             Some(given) => recognised.notes.extend(keeps_up(given, &head, &rows)?),
             None => {

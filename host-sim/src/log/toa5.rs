@@ -45,17 +45,8 @@ pub fn layout(
         Some(wanted) => column(&names, names.len(), wanted, "--column")?,
         None => default_force(&names, &units)?,
     };
-    let width = names.len();
     let record = find(&names, "RECORD", "--column")?;
-    let header = Header {
-        separator: b',',
-        names: Some((2, names)),
-        units: Some((3, units)),
-        first_row: 5,
-        width,
-        rows: Vec::new(),
-        unit_above: None,
-    };
+    let header = header(names, units);
     let columns = Columns::new(&header);
     let (unit, mut notes) = columns.force_unit(force, options, said)?;
     if options.column.is_none() {
@@ -64,7 +55,7 @@ pub fn layout(
     let layout = Layout {
         separator: b',',
         decimal: Decimal::Point,
-        width: Some(width),
+        width: Some(header.width),
         time: TimeCells::Number { cell: time, unit: TimeUnit::Iso },
         force,
         unit,
@@ -74,6 +65,19 @@ pub fn layout(
         seconds_unsaid: false,
     };
     Ok((layout, notes))
+}
+
+/// The header of a log without comments, before its rows are read.
+fn header(names: Vec<String>, units: Vec<String>) -> Header {
+    Header {
+        separator: b',',
+        width: names.len(),
+        names: Some((2, names)),
+        units: Some((3, units)),
+        first_row: 5,
+        rows: Vec::new(),
+        unit_above: None,
+    }
 }
 
 fn default_force(names: &[String], units: &[String]) -> Result<usize, InputError> {

@@ -56,3 +56,16 @@ fn csv_in_counts() {
     let readings: Vec<Reading> = samples(&mut log).unwrap().iter().map(|s| s.raw.reading).collect();
     assert_eq!(readings, [Reading::Counts(Counts(6999)), Reading::Counts(Counts(-8_388_608))]);
 }
+
+#[test]
+fn an_empty_row_below_the_names_is_none_of_them() {
+    for (names, empty) in [("time_s;force_n", ";"), ("time_s,force_n", "\"\",\"\"")] {
+        let mark = if empty == ";" { ';' } else { ',' };
+        let row = |i: u32| format!("{}{mark}{i}\n", f64::from(i) / 16.0);
+        let rows = (0..90).map(row).collect::<String>();
+        let (log, samples) = read(&format!("{names}\n{empty}\n{rows}"));
+        assert!(consecutive(&samples) && samples.len() == 90);
+        let header = log.recognised().header.as_ref().unwrap();
+        assert_eq!((header.names.as_ref().unwrap().0, header.first_row), (1, 3));
+    }
+}

@@ -145,3 +145,13 @@ fn a_rate_that_cannot_be_is_named_with_its_line() {
         "line 1: '# rate_hz:': a rate of 0 Hz is not within 1 to 2000"
     );
 }
+
+/// Hundredths cut off from a binary number: 0.28 stands twice, and 0.29 never.
+#[test]
+fn no_stamp_is_said_to_be_left_out_at_the_rate_of_the_last_digit() {
+    let cut = |i: u32| (f64::from(i) / 100.0 * 100.0).floor() / 100.0;
+    let row = |i: u32| format!("{:.2},{}\n", cut(i), i % 997);
+    let text = "time_s,force_n\n".to_string() + &(0..1500).map(row).collect::<String>();
+    let said = read(&text).0.warnings().concat();
+    assert!(!said.contains("is left out, evenly"), "{said}");
+}
