@@ -170,8 +170,13 @@ fn tell_twice(found: &[Found]) {
 
 fn measure(path: &str, args: &Args, number: usize) -> Result<Found, InputError> {
     let mut log = Log::from_reader(open(path, false)?, &args.log_options)?;
-    let mut samples = Vec::new();
+    let (mut samples, mut next) = (Vec::new(), 0);
     while let Some(sample) = log.next_sample()? {
+        // A repeated row is no further reading.
+        if sample.raw.index < next {
+            continue;
+        }
+        next = sample.raw.index + 1;
         match sample.raw.reading {
             Reading::Force(force) => samples.push((sample.time_s, f64::from(force.0))),
             Reading::Bad(_) => {}
