@@ -5,6 +5,7 @@ mod anything;
 mod campbell;
 mod rates;
 
+use floe::log::stamp::TimeUnit;
 use floe::log::{Format, Log, LogOptions, Sample};
 use floe_core::{Counts, Fault, Newtons, Reading};
 
@@ -68,4 +69,16 @@ fn an_empty_row_below_the_names_is_none_of_them() {
         let header = log.recognised().header.as_ref().unwrap();
         assert_eq!((header.names.as_ref().unwrap().0, header.first_row), (1, 3));
     }
+}
+
+#[test]
+fn times_as_text_have_no_unit_and_an_unread_date_is_said() {
+    let row = |i: u32| format!("02/29/2012,12:00:{:07.4},{i}\n", f64::from(i) / 16.0);
+    let text = "Date,Time,Force [N]\n".to_string() + &(0..90).map(row).collect::<String>();
+    let said = "column 'Date' is not read, and the log has no date: write 2012-02-29 or 29.02.2012";
+    assert_eq!(read(&text).0.warnings(), [said]);
+    let options = LogOptions { time_unit: Some(TimeUnit::Millisecond), ..LogOptions::default() };
+    let error = open(text.as_bytes(), &options).unwrap_err();
+    assert!(error.ends_with("--time-unit says ms: leave --time-unit out"), "{error}");
+    assert_eq!(read(&text.replace("02/29/2012", "2012-02-29")).0.warnings(), Vec::<String>::new());
 }
