@@ -123,6 +123,18 @@ impl Groups {
     }
 }
 
+/// Mean of stamp minus sample time over a group, for the first groups.
+fn centre(times: &[f64], step: f64, rate_hz: f64) -> f64 {
+    const GROUPS: usize = 9;
+    let start = times.first().copied().unwrap_or(0.0);
+    let begins = |(i, w): (usize, &[f64])| match w {
+        [a, b] if b > a => Some((b - start) * rate_hz - (i + 1) as f64),
+        _ => None,
+    };
+    let offsets = times.windows(2).enumerate().filter_map(begins).take(GROUPS).collect();
+    median(offsets).unwrap_or(0.0) - (step - 1.0) / 2.0
+}
+
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // rounded to a whole number
 mod tests {
@@ -151,16 +163,4 @@ mod tests {
         let left = tenths(100.0, 4096).enumerate().filter(|(row, _)| !lost(*row));
         assert_eq!(rate_hz(left.map(|(_, time_s)| time_s)), 100.0);
     }
-}
-
-/// Mean of stamp minus sample time over a group, for the first groups.
-fn centre(times: &[f64], step: f64, rate_hz: f64) -> f64 {
-    const GROUPS: usize = 9;
-    let start = times.first().copied().unwrap_or(0.0);
-    let begins = |(i, w): (usize, &[f64])| match w {
-        [a, b] if b > a => Some((b - start) * rate_hz - (i + 1) as f64),
-        _ => None,
-    };
-    let offsets = times.windows(2).enumerate().filter_map(begins).take(GROUPS).collect();
-    median(offsets).unwrap_or(0.0) - (step - 1.0) / 2.0
 }
