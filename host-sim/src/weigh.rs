@@ -128,7 +128,8 @@ fn read(log: &mut Log, calibrator: &Calibrator) -> Result<Settled, InputError> {
     let mut next = None;
     while let Some(sample) = log.next_sample()? {
         let index = sample.raw.index;
-        let missing = index.saturating_sub(*next.get_or_insert(index));
+        // A repeated row is no further reading.
+        let Some(missing) = index.checked_sub(*next.get_or_insert(index)) else { continue };
         // A longer gap empties the window just the same.
         for _ in 0..missing.min(10_000) {
             record.push(sample.time_s, Err(SampleFlag::Rejected));

@@ -7,6 +7,7 @@ use std::process::{Command, Output};
 
 use floe_core::Counts;
 use floe_firmware::adc::Input;
+use floe_firmware::line::Line;
 use floe_firmware::record::{Part, Record, SECTOR_LEN, Sector};
 use floe_firmware::sample::Sample;
 
@@ -168,6 +169,27 @@ fn a_card_has_neither_lines_nor_cells() {
         assert!(json[key].is_null(), "{key}: {json}");
     }
     assert!(json["metadata"][0]["line"].is_null(), "{json}");
+}
+
+/// What `floe recover` writes about a test is also there without it.
+#[test]
+fn temperature_and_supply_of_a_card_are_read() {
+    let dir = directory("climate");
+    let mut sectors = two_tests();
+    let mut record = Record::decode(&sectors[3]).unwrap();
+    let climate = Line::Climate { index: 24, temperature_c: Some(-12.0), supply_v: Some(3.3) };
+    record.samples.truncate(2);
+    record.text.push_str(&format!("{}\n", climate.to_text().unwrap())).unwrap();
+    sectors[3] = record.encode();
+    fs::write(dir.join("card.log"), sectors.concat()).unwrap();
+    let output = floe(&dir, &["inspect", "card.log", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let said = |key: &str| {
+        let all = json["metadata"].as_array().unwrap();
+        all.iter().find(|it| it["key"] == key).map(|it| it["value"].clone())
+    };
+    assert_eq!(said("temperature_c"), Some("-12.00".into()), "{json}");
+    assert_eq!(said("supply_v"), Some("3.300".into()), "{json}");
 }
 
 #[test]

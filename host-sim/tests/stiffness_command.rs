@@ -89,6 +89,21 @@ fn what_is_assumed_about_the_log_is_said() {
     assert_eq!(said, "floe: warning: a.csv: column 'Load' has no unit: taken as N\n");
 }
 
+/// A row that stands twice, with the same force or with another, is no second reading.
+#[test]
+fn a_repeated_row_counts_once() {
+    let dir = directory("repeated");
+    let once = pull(80.0);
+    let twice = once.lines().map(|line| format!("{line}\n{line}\n")).collect::<String>();
+    let twice = twice.replace("time_s,force_n\ntime_s,force_n\n", "time_s,force_n\n");
+    fs::write(dir.join("once.csv"), &once).unwrap();
+    fs::write(dir.join("twice.csv"), twice).unwrap();
+    fs::write(dir.join("other.csv"), once.replace("\n5,", "\n4.9375,99\n5,")).unwrap();
+    let json = |log: &str| text(&floe(&dir, &[log, "--json"]).stdout);
+    assert_eq!(json("twice.csv"), json("once.csv"));
+    assert_eq!(json("other.csv"), json("once.csv"));
+}
+
 #[test]
 fn a_computed_pull_is_said() {
     let dir = directory("simulated");

@@ -45,6 +45,19 @@ fn a_recording_is_weighed() {
     assert!(text.contains("2.00 s, 5.0°; 1.20 N of excess"), "{text}");
 }
 
+/// A row that stands twice is no second reading: it would make the swing slower.
+#[test]
+fn a_repeated_row_counts_once() {
+    let path = log("once.csv", 40, swinging);
+    let text = std::fs::read_to_string(&path).expect("kept");
+    let twice = file("twice.csv").display().to_string();
+    let repeated = |(at, line): (usize, &str)| format!("{line}\n").repeat(1 + at % 7 / 6);
+    std::fs::write(&twice, text.lines().enumerate().map(repeated).collect::<String>())
+        .expect("kept");
+    let json = |path: &str| floe(&["weigh", path, "--json"]).stdout;
+    assert_eq!(String::from_utf8_lossy(&json(&twice)), String::from_utf8_lossy(&json(&path)));
+}
+
 #[test]
 fn a_computed_recording_is_said() {
     let path = log("measured.csv", 20, |_| 98.1);

@@ -10,7 +10,7 @@ use floe_firmware::settings::Settings;
 
 use super::stretch::Key;
 use super::summary::{no_record, unused};
-use super::write::{head, row};
+use super::write::{head, row, said};
 use super::{Found, Place, decode, put_together, sectors};
 use crate::error::InputError;
 use crate::rounding::counted;
@@ -80,9 +80,9 @@ impl Text {
         };
         let mut told = told(&found, others);
         told.extend(zero_taken_after(test.settings.zero.after_n, settings.zero.after_n));
-        let text = head(&test.part, &settings, &test.lines).into_bytes();
+        let text = said(&test.lines) + &head(&test.part, &settings, &test.lines);
         let (first_index, samples) = (test.part.first_index, test.samples.into_iter());
-        Ok((Self { settings, first_index, samples, text, given: 0 }, told))
+        Ok((Self { settings, first_index, samples, text: text.into_bytes(), given: 0 }, told))
     }
 }
 

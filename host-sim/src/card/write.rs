@@ -28,7 +28,7 @@ pub fn csv(test: &Test) -> String {
 }
 
 /// Comments from the board's output during the test: temperature, supply, and notes of the user.
-fn said(lines: &str) -> String {
+pub(super) fn said(lines: &str) -> String {
     let (mut text, mut cold, mut supply) = (String::new(), Vec::new(), Vec::new());
     for line in lines.lines().filter_map(|line| Line::parse(line).ok()) {
         if let Line::Note(note) = line {

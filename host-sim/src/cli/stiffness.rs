@@ -175,8 +175,13 @@ fn measure(path: &str, args: &Args, number: usize) -> Result<Found, InputError> 
     let known = KnownOptions { winch_std_m_per_s, ..KnownOptions::default() };
     let given = TestOptions { winch_m_per_s, known: Box::new(known), ..TestOptions::default() };
     let mut log = Log::from_reader(open(path, false)?, &args.log_options.settled_by(&given))?;
-    let mut samples = Vec::new();
+    let (mut samples, mut next) = (Vec::new(), 0);
     while let Some(sample) = log.next_sample()? {
+        // A repeated row is no further reading.
+        if sample.raw.index < next {
+            continue;
+        }
+        next = sample.raw.index + 1;
         match sample.raw.reading {
             Reading::Force(force) => samples.push((sample.time_s, f64::from(force.0))),
             Reading::Bad(_) => {}

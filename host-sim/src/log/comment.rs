@@ -30,6 +30,12 @@ pub fn is_ruler(line: &[u8]) -> bool {
     line.iter().all(|byte| b"-=+|: \t".contains(byte)) && line.windows(2).any(rules)
 }
 
+/// Whether a line is an empty row of a spreadsheet: separators and quotes alone.
+#[must_use]
+pub fn is_empty(line: &[u8]) -> bool {
+    line.iter().all(|byte| b";\t|,\" ".contains(byte))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -37,15 +37,16 @@ pub fn is_row(line: &[u8]) -> bool {
         && cr10_time(line, &cells, false).is_some()
 }
 
-/// Chooses array and column from the beginning of the log and the options.
+/// Chooses array and column from the beginning of the log, whose lines end with `end`, and the
+/// options.
 ///
 /// Without `--array-id`: the only array, or the only one with seconds. Without `--column`: the cell
 /// after the time stamp.
 ///
 /// # Errors
 /// A choice that the log does not offer, or one that only the user can make.
-pub fn layout(head: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
-    let arrays = arrays(head);
+pub fn layout(head: &[u8], end: u8, options: &LogOptions) -> Result<Layout, InputError> {
+    let arrays = arrays(head, end);
     let id = choose(&arrays, options.array_id)?;
     let array = arrays.get(&id).copied().unwrap_or(Array { width: 0, seconds: false, rows: 0 });
     let force = match &options.column {
@@ -72,11 +73,11 @@ pub fn layout(head: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
 
 /// The arrays in `head`; the last line may be cut off, and counts only if its array is unknown
 /// otherwise.
-fn arrays(head: &[u8]) -> BTreeMap<u32, Array> {
+fn arrays(head: &[u8], end: u8) -> BTreeMap<u32, Array> {
     let mut arrays = BTreeMap::new();
     let mut cells = Cells::default();
-    for line in head.split_inclusive(|&byte| byte == b'\n') {
-        let ended = line.ends_with(b"\n");
+    for line in head.split_inclusive(|&byte| byte == end) {
+        let ended = line.last() == Some(&end);
         let line = line.trim_ascii();
         if comment(line).is_some() || !cells.cut(line, b',') {
             continue;
@@ -151,7 +152,8 @@ mod tests {
     ) -> Result<(u32, usize, bool), String> {
         let column = column.map(str::to_string);
         let options = LogOptions { array_id: id, column, ..LogOptions::default() };
-        let layout = layout(head, &options).map_err(|e| e.to_string())?;
+        let end = if head.contains(&b'\n') { b'\n' } else { b'\r' };
+        let layout = layout(head, end, &options).map_err(|e| e.to_string())?;
         let TimeCells::Cr10 { seconds } = layout.time else { panic!("not cr10") };
         Ok((layout.array_id.unwrap(), layout.force, seconds))
     }
@@ -179,6 +181,15 @@ mod tests {
         assert_eq!(places(head, None, None), Ok((7, 5, true)));
         let head = b"77,94,100,1200,0,5.5\n77,94,100,1200,.125,5.6\n7";
         assert_eq!(places(head, None, None), Ok((77, 5, true)));
+    }
+
+    #[test]
+    fn arrays_between_lines_that_end_with_cr_are_seen() {
+        let lines: Vec<u8> =
+            MIXED.iter().map(|&byte| if byte == b'\n' { b'\r' } else { byte }).collect();
+        let error = places(&lines, None, None).unwrap_err();
+        assert_eq!(error, "which array is it? give --array-id ID; there are: 203, 204");
+        assert_eq!(places(&lines, Some(204), None), Ok((204, 4, false)));
     }
 
     #[test]

@@ -57,9 +57,9 @@ pub(super) fn digit_s(times: &[f64], unit_s: f64) -> f64 {
 
 /// A line: stamp as a function of the index.
 #[derive(Clone, Copy, Debug)]
-struct Line {
-    start_s: f64,
-    period_s: f64,
+pub(super) struct Line {
+    pub(super) start_s: f64,
+    pub(super) period_s: f64,
 }
 
 impl Line {
@@ -117,7 +117,7 @@ impl Line {
     }
 
     /// Least squares with an index for every row and stamp.
-    fn fit_to(&mut self, times: &[f64], index: impl Fn(usize, f64) -> f64) {
+    pub(super) fn fit_to(&mut self, times: &[f64], index: impl Fn(usize, f64) -> f64) {
         let n = times.len() as f64;
         let indices = || times.iter().enumerate().map(|(row, &time_s)| index(row, time_s));
         let mean_index = indices().sum::<f64>() / n;

@@ -14,7 +14,7 @@ use crate::error::InputError;
 
 use super::above;
 use super::cells::texts;
-use super::comment::{comment, is_ruler};
+use super::comment::{comment, is_empty, is_ruler};
 use super::label::{Label, bare_unit, is_unit_cell};
 use super::lines::MAX_LINE;
 use super::number::{Unit, finite, is_missing};
@@ -94,7 +94,8 @@ pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<He
         .zip(head.split(|&byte| byte == end).map(|line| line.strip_suffix(b"\r").unwrap_or(line)))
         .filter(|(number, line)| *number > skip && !line.trim_ascii().is_empty())
         .collect();
-    let is_content = |(_, line): &Content<'_>| comment(line).is_none() && !is_ruler(line);
+    let is_content =
+        |(_, line): &Content<'_>| comment(line).is_none() && !is_ruler(line) && !is_empty(line);
     let content: Vec<Content<'_>> = lines.iter().copied().filter(is_content).collect();
     if lines.is_empty() && skip > 0 {
         return Err(InputError::new(format!(

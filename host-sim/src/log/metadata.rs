@@ -219,9 +219,14 @@ impl Metadata {
         )))
     }
 
-    /// Notes a line that resembles a known key.
+    /// Notes a line that resembles a known key, one of the first few for each: of a long log all
+    /// would cost memory, and time with every further comment.
     fn look_at(&mut self, text: &str, number: u64) {
+        const MOST: usize = 8;
         let Some((key, value)) = meant(text, |key| self.field(key).is_some()) else { return };
+        if self.notes.iter().filter(|note| note.key == key).count() >= MOST {
+            return;
+        }
         let said = excerpt(text.as_bytes());
         let text = format!("line {number}: {said} is not read: write '# {key}: {value}'");
         self.notes.push(Note { key, text });

@@ -161,9 +161,11 @@ impl Log {
             return Err(no_floe());
         }
         let mut lines = Lines::new(input);
+        lines.head()?;
+        let end = lines.line_end();
         let head = lines.head()?;
         refuse_binary(head)?;
-        let format = options.format.unwrap_or_else(|| recognise(head));
+        let format = options.format.unwrap_or_else(|| recognise(head, end));
         options.check(format)?;
         let (rows, head) = begin(format, lines, options)?;
         Self::timed(format, rows, head, options)
@@ -295,9 +297,10 @@ impl Log {
         if head.is_empty() {
             return Err(no_samples(&rows));
         }
+        rows.find_record_step(&mut head);
         refuse_other_unit(&rows, options)?;
         let mut rate_hz = options.rate_hz.or(rows.metadata.rate_hz);
-        refuse_rate(rate_hz)?;
+        refuse_rate(options.rate_hz, &rows.metadata)?;
         match options.rate_hz {
             Some(given) => recognised.notes.extend(keeps_up(given, &head, &rows)?),
             None => {

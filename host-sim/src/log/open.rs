@@ -141,10 +141,10 @@ fn control_share(bytes: &[u8]) -> f64 {
     bytes.iter().filter(control).count() as f64 / bytes.len().max(1) as f64
 }
 
-/// The format, from the first line that is no comment.
+/// The format, from the first line that is no comment; lines end with `end`.
 #[must_use]
-pub fn recognise(head: &[u8]) -> Format {
-    let lines = head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+pub fn recognise(head: &[u8], end: u8) -> Format {
+    let lines = head.split(|&byte| byte == end).map(<[u8]>::trim_ascii);
     let first = lines.into_iter().find(|line| !line.is_empty() && comment(line).is_none());
     match first.unwrap_or_default() {
         line if is_toa5(line) => Format::Toa5,
@@ -169,8 +169,11 @@ pub fn begin(
     let mut metadata = Metadata::new(&options.settled);
     let (layout, head) = match format {
         Format::Csv | Format::Floe => table(&mut lines, &mut metadata, options)?,
-        Format::Toa5 => (toa5_layout(&mut lines, &mut metadata, options)?, Recognised::default()),
-        Format::Cr10 => (cr10::layout(lines.head()?, options)?, Recognised::default()),
+        Format::Toa5 => toa5_layout(&mut lines, &mut metadata, options)?,
+        Format::Cr10 => {
+            let end = lines.line_end();
+            (cr10::layout(lines.head()?, end, options)?, Recognised::default())
+        }
     };
     Ok((Rows::new(lines, layout, metadata), head))
 }
@@ -203,7 +206,7 @@ fn toa5_layout(
     lines: &mut Lines,
     metadata: &mut Metadata,
     options: &LogOptions,
-) -> Result<Layout, InputError> {
+) -> Result<(Layout, Recognised), InputError> {
     let (first, number) = header_line(lines, metadata)?;
     if !is_toa5(&first) {
         let message = format!("a toa5 log begins with \"TOA5\", not {}", excerpt(&first));
@@ -213,8 +216,9 @@ fn toa5_layout(
     let (names, number) = header_line(lines, metadata)?;
     let (units, _) = header_line(lines, metadata)?;
     let (_processing, _) = header_line(lines, metadata)?;
-    let place = format!("line {number}");
-    toa5::layout(&names, &units, options).map_err(|error| error.within(place))
+    let found = toa5::layout(&names, &units, options, metadata.first("unit"));
+    let (layout, notes) = found.map_err(|error| error.within(format_args!("line {number}")))?;
+    Ok((layout, Recognised { header: None, notes }))
 }
 
 /// The next line that is neither empty nor a comment, and its number.

@@ -32,7 +32,8 @@ impl Columns<'_> {
         let note = |(place, label): (usize, &Label)| {
             let (name, other) = (self.name(force), self.name(place));
             let newtons = |unit: &Unit| unit.newtons().is_some();
-            let is_same = own.quantity == label.quantity && newtons(&unit);
+            let has_rows = !self.header.rows.is_empty();
+            let is_same = has_rows && own.quantity == label.quantity && newtons(&unit);
             let its_unit = self.stated_force(place).filter(newtons).filter(|_| is_same);
             let Some(its_unit) = its_unit else {
                 return Ok(format!("'{name}' is read, not '{other}': --column takes another"));

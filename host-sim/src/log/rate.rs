@@ -6,6 +6,7 @@ use crate::error::InputError;
 use crate::rounding::significant;
 
 use super::clock::Clock;
+use super::metadata::Metadata;
 use super::rows::{Row, Rows};
 use super::timing::{RATES_HZ, Timing, median};
 
@@ -51,8 +52,10 @@ pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<Option<String>,
 /// lost.
 #[must_use]
 pub fn left_out(timing: &Timing) -> Option<String> {
+    // The rounding of an `f64` leaves out nothing.
+    const ROUNDING: f64 = 1e-9;
     let step = timing.shared?.step;
-    (step < 1.0).then(|| {
+    (step < 1.0 - ROUNDING).then(|| {
         format!(
             "of the times one in {:.0} is left out, evenly: taken for the digits of {:.3} samples per \
              second; if samples are lost there, give --rate-hz {}",
@@ -167,15 +170,16 @@ pub fn of_stamps(head: &[Row], rows: &Rows) -> Result<Option<(f64, String)>, Inp
     )))
 }
 
-/// Rejects a rate outside 1 to 2000 Hz.
+/// Rejects a rate outside 1 to 2000 Hz: the given one, or else that of the log.
 ///
 /// # Errors
-/// Names the rate.
-pub fn refuse_rate(rate_hz: Option<f64>) -> Result<(), InputError> {
-    match rate_hz.filter(|rate| !RATES_HZ.contains(rate)) {
-        Some(wrong) => {
-            Err(InputError::new(format!("a rate of {wrong} Hz is not within 1 to 2000")))
-        }
-        None => Ok(()),
-    }
+/// Names the rate, and its line in the log.
+pub fn refuse_rate(given: Option<f64>, metadata: &Metadata) -> Result<(), InputError> {
+    let refused = given.or(metadata.rate_hz).filter(|rate| !RATES_HZ.contains(rate));
+    let Some(wrong) = refused else { return Ok(()) };
+    let error = InputError::new(format!("a rate of {wrong} Hz is not within 1 to 2000"));
+    Err(match metadata.line("rate_hz").filter(|_| given.is_none()) {
+        Some(line) => error.within(format_args!("line {line}: '# rate_hz:'")),
+        None => error,
+    })
 }

@@ -4,7 +4,7 @@ use crate::error::{InputError, excerpt};
 
 use super::cells::text;
 use super::label::Label;
-use super::number::{Decimal, Unit, is_grouped, number};
+use super::number::{Decimal, Unit, is_grouped, is_missing, number};
 use super::stamp::TimeUnit;
 
 const CORRECT: &str = "correct the line or take it out";
@@ -39,12 +39,13 @@ pub fn of_force(cell: &[u8], unit: Unit, is_alone: bool) -> String {
 #[cold]
 #[must_use]
 pub fn of_width(line: &[u8], cells: usize) -> String {
-    match (cells, line.trim_ascii_start().first()) {
+    match (cells, line.iter().find(|byte| !b" \t\"".contains(byte))) {
         (1, Some(first)) if first.is_ascii_digit() => {
             format!("{CORRECT}, or is the separator another? (--delimiter)")
         }
-        (1, Some(_)) => format!("{CORRECT}; {FOOTER}"),
-        _ => CORRECT.to_string(),
+        (2.., Some(first)) if !first.is_ascii_alphabetic() => CORRECT.to_string(),
+        (_, Some(_)) => format!("{CORRECT}; {FOOTER}"),
+        (_, None) => CORRECT.to_string(),
     }
 }
 
@@ -81,9 +82,13 @@ fn of_time(cell: &str) -> &'static str {
     }
 }
 
-/// Whether a cell is text without a digit: `Mean:`, `Channels`.
+/// Whether a cell is text without a digit, and no missing number: `Mean:`, `Channels`.
 fn is_words(cell: &str) -> bool {
-    cell.starts_with(char::is_alphabetic) && !cell.bytes().any(|byte| byte.is_ascii_digit())
+    let is_number = || number(cell.as_bytes(), Decimal::Any).is_some();
+    cell.starts_with(char::is_alphabetic)
+        && !cell.bytes().any(|byte| byte.is_ascii_digit())
+        && !is_number()
+        && !is_missing(cell.as_bytes())
 }
 
 /// Whether a cell contains digits and marks only.
@@ -124,9 +129,27 @@ mod tests {
             ("00:30.5", "hours, minutes and seconds"),
             ("12:00:00:0625", "behind a point"),
             ("", "correct the line"),
+            ("NaN", "correct the line"),
+            ("missing", "correct the line"),
+            ("Mean:", "cut the log there"),
         ];
         for (cell, remedy) in table {
             assert!(of_time(cell).contains(remedy), "{cell}: {}", of_time(cell));
+        }
+    }
+
+    #[test]
+    fn rows_of_another_width() {
+        for (line, cells, remedy) in [
+            ("0.0625;12.5", 1, "(--delimiter)"),
+            ("0.0625,12.5,3", 3, "take it out"),
+            ("\"2012-02-29 12:00:00\",1", 2, "take it out"),
+            ("\"TOA5\",\"CR1000\"", 2, "cut the log there"),
+            ("Mean", 1, "cut the log there"),
+            ("\u{7}", 1, "cut the log there"),
+        ] {
+            let said = of_width(line.as_bytes(), cells);
+            assert!(said.ends_with(remedy), "{line}: {said}");
         }
     }
 

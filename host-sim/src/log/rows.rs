@@ -13,6 +13,7 @@ use super::metadata::Metadata;
 use super::number::Decimal;
 use super::plain::Plain;
 use super::stamp::{DAY_S, TimeUnit};
+use super::timing::median;
 
 /// One row of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +69,8 @@ pub struct Rows {
     /// Length of the days passed since the first row, s, for times of day without a date.
     days_s: f64,
     last_record: Option<f64>,
+    /// Usual step of the record numbers: above 1 in a log that was thinned.
+    record_step: u32,
     truncated: Option<LastLine>,
     /// Number of bytes in the last row's line.
     bytes: usize,
@@ -96,6 +99,7 @@ impl Rows {
             last_line: 0,
             days_s: 0.0,
             last_record: None,
+            record_step: 1,
             truncated: None,
             bytes: 0,
             count: 0,
@@ -248,10 +252,23 @@ impl Rows {
         self.before_s = self.last_time_s;
         (self.last_time_s, self.last_line) = (row.time_s, row.line);
         if let (Some(last), Some(record)) = (self.last_record, record) {
-            row.records = (record - last).max(1.0) as u32;
+            row.records = self.in_steps((record - last) as u32);
         }
         self.last_record = record;
         Ok(row)
+    }
+
+    /// Finds the usual step of the record numbers in the first rows, and counts in such steps from
+    /// here on, and in these rows: numbers that thinning has left out are no lost samples.
+    pub fn find_record_step(&mut self, head: &mut [Row]) {
+        let steps = head.iter().skip(1).map(|row| f64::from(row.records)).collect();
+        self.record_step = median(steps).map_or(1, |step| step as u32);
+        head.iter_mut().for_each(|row| row.records = self.in_steps(row.records));
+    }
+
+    /// A difference of record numbers in usual steps, at least 1.
+    fn in_steps(&self, records: u32) -> u32 {
+        (records.saturating_add(self.record_step / 2) / self.record_step).max(1)
     }
 
     /// Whether a time of day without a date has passed midnight.

@@ -90,6 +90,10 @@ pub fn refuse_other_unit(rows: &Rows, options: &LogOptions) -> Result<(), InputE
         Some(unit) => {
             format!("--unit says {}: leave --unit out, or correct the comment", unit.name())
         }
+        None if rows.layout().array_id.is_some() => format!(
+            "the forces of a cr10 log are read in {}: give --unit, or correct the comment",
+            read.name()
+        ),
         None => format!(
             "the forces are read in {}: correct it, or write it above the rows",
             read.name()

@@ -234,9 +234,10 @@ fn zone(text: &str) -> Option<(&str, f64)> {
         return None;
     }
     let (hours, minutes) = digits.split_at_checked(2)?;
-    let minutes = minutes.parse().unwrap_or(0.0);
-    let seconds = hours.parse::<f64>().ok()? * 3600.0 + minutes * 60.0;
-    Some((clock, if sign == "-" { -seconds } else { seconds }))
+    let (hours, minutes): (u8, u8) = (hours.parse().ok()?, minutes.parse().unwrap_or(0));
+    let seconds = f64::from(hours) * 3600.0 + f64::from(minutes) * 60.0;
+    let valid = hours < 24 && minutes < 60;
+    valid.then_some((clock, if sign == "-" { -seconds } else { seconds }))
 }
 
 /// Seconds from a mixed-array stamp: year (also with two digits, from 1970), day of the year, hours
@@ -309,6 +310,8 @@ mod tests {
             ("29/02/2012 12:00:00", None),
             ("29.02.12 12:00:00", None),
             ("2012-02-29T12:00:00+1", None),
+            ("2012-02-29T12:00:00+24:00", None),
+            ("2012-02-29T12:00:00+0160", None),
             ("2012-02-29T12:00:00+é1", None),
             ("yesterday 12:00:00", None),
         ];

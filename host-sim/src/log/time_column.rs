@@ -150,7 +150,16 @@ impl Columns<'_> {
         decimal: Decimal,
     ) -> Result<TimeCells, InputError> {
         let cell = self.header.cells(column).find(|cell| !cell.is_empty()).unwrap_or_default();
-        if options.time_unit.is_none() && date_time_seconds(cell.as_bytes()).is_some() {
+        let is_dated = date_time_seconds(cell.as_bytes()).is_some();
+        let is_text = is_dated || cell.contains(':') && clock_seconds(cell).is_some();
+        if let Some(given) = options.time_unit.filter(|unit| is_text && *unit != TimeUnit::Iso) {
+            return Err(InputError::new(format!(
+                "column {} holds times as text, and --time-unit says {}: leave --time-unit out",
+                self.said(column),
+                given.name()
+            )));
+        }
+        if is_dated {
             return Ok(TimeCells::Number { cell: column, unit: TimeUnit::Iso });
         }
         if let Some(clock) = self.clock(column, cell) {
@@ -279,10 +288,11 @@ impl Columns<'_> {
         options.time_unit.is_none() && self.stated(cell).next().is_none()
     }
 
-    /// Note on a time without a unit, if it has integers only or may be in minutes.
+    /// Note on a time without a unit, if it has integers only or may be in minutes, and on a time of
+    /// day beside a date that is not read.
     #[must_use]
     pub fn assumed_seconds(&self, time: TimeCells, options: &LogOptions) -> Option<String> {
-        let TimeCells::Number { cell, .. } = time else { return None };
+        let TimeCells::Number { cell, .. } = time else { return self.unread_date(time) };
         let is_whole = |value: &f64| value.fract().abs() < 1e-9;
         let values = self.values(cell, Decimal::Any);
         let span = values.first().zip(values.last()).map_or(0.0, |(first, last)| last - first);
@@ -290,6 +300,16 @@ impl Columns<'_> {
         let doubtful = in_minutes || !values.is_empty() && values.iter().all(is_whole);
         (self.seconds_unsaid(time, options) && doubtful)
             .then(|| format!("the times of column {} have no unit: taken as s", self.said(cell)))
+    }
+
+    fn unread_date(&self, time: TimeCells) -> Option<String> {
+        let TimeCells::DateAndClock { date: None, .. } = time else { return None };
+        let is_date = |it: &Label| ["date", "datum"].contains(&it.quantity.as_str());
+        let column = self.labels.iter().position(is_date).filter(|&place| !self.is_empty(place))?;
+        Some(format!(
+            "column {} is not read, and the log has no date: write 2012-02-29 or 29.02.2012",
+            self.said(column)
+        ))
     }
 
     /// The error for rows without a time.

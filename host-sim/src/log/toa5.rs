@@ -1,12 +1,14 @@
 //! TOA5: Campbell's text table with four header lines.
 
-use crate::error::{InputError, excerpt};
+use crate::error::InputError;
 
 use super::LogOptions;
 use super::cells::texts;
-use super::csv::{agreed, column, find, there_are};
-use super::label::Label;
+use super::columns::Columns;
+use super::csv::{Found, column, find, there_are};
+use super::header::Header;
 use super::layout::{Layout, TimeCells};
+use super::metadata::Said;
 use super::number::{Decimal, Unit};
 use super::stamp::TimeUnit;
 
@@ -15,12 +17,18 @@ pub const UNDATED: &str = "pull_undated";
 
 /// Finds the columns in the second and third header line: names and units.
 ///
-/// Without `--column` it is `force_n`, `force_kn` or the only column with a unit of force.
+/// Without `--column` it is `force_n`, `force_kn` or the only column with a unit of force. `said`:
+/// the unit in a comment.
 ///
 /// # Errors
 /// A missing column, a unit that is not one of force, a units row that is too short, units that
 /// contradict each other.
-pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
+pub fn layout(
+    names: &[u8],
+    units: &[u8],
+    options: &LogOptions,
+    said: Option<&Said>,
+) -> Result<Found, InputError> {
     let names = texts(names, b',');
     let units = texts(units, b',');
     if names.len() == 1 {
@@ -37,31 +45,39 @@ pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout
         Some(wanted) => column(&names, names.len(), wanted, "--column")?,
         None => default_force(&names, &units)?,
     };
-    let label = units.get(force).map_or("", String::as_str);
-    let name = names.get(force).map_or("", String::as_str);
-    let stated: Vec<Unit> =
-        Label::new(name).force_unit().into_iter().chain(Unit::from_label(label)).collect();
-    let unit = agreed(name, &stated, options.unit)?.or_else(|| unit(label)).ok_or_else(|| {
-        let label = excerpt(label.as_bytes());
-        InputError::new(format!("the column's unit is {label}: give --unit N|kN|lbf|kgf|counts"))
-    })?;
-    Ok(Layout {
+    let record = find(&names, "RECORD", "--column")?;
+    let header = header(names, units);
+    let columns = Columns::new(&header);
+    let (unit, mut notes) = columns.force_unit(force, options, said)?;
+    if options.column.is_none() {
+        notes.extend(columns.other_forces(force, unit, Decimal::Point)?);
+    }
+    let layout = Layout {
         separator: b',',
         decimal: Decimal::Point,
-        width: Some(names.len()),
+        width: Some(header.width),
         time: TimeCells::Number { cell: time, unit: TimeUnit::Iso },
         force,
         unit,
-        record: find(&names, "RECORD", "--column")?,
+        record,
         array_id: None,
         resolution_s: None,
         seconds_unsaid: false,
-    })
+    };
+    Ok((layout, notes))
 }
 
-/// The unit of a label; none means newtons, as for a named column of a CSV file.
-fn unit(label: &str) -> Option<Unit> {
-    if label.is_empty() { Some(Unit::Newton) } else { Unit::from_label(label) }
+/// The header of a log without comments, before its rows are read.
+fn header(names: Vec<String>, units: Vec<String>) -> Header {
+    Header {
+        separator: b',',
+        width: names.len(),
+        names: Some((2, names)),
+        units: Some((3, units)),
+        first_row: 5,
+        rows: Vec::new(),
+        unit_above: None,
+    }
 }
 
 fn default_force(names: &[String], units: &[String]) -> Result<usize, InputError> {
@@ -94,7 +110,8 @@ mod tests {
     const NAMES: &[u8] = b"\"TIMESTAMP\",\"RECORD\",\"Pull\",\"Batt\"";
 
     fn places(units: &str, options: &LogOptions) -> Result<(usize, Unit), String> {
-        let layout = layout(NAMES, units.as_bytes(), options).map_err(|e| e.to_string())?;
+        let found = layout(NAMES, units.as_bytes(), options, None).map_err(|e| e.to_string())?;
+        let layout = found.0;
         let stamp = TimeCells::Number { cell: 0, unit: TimeUnit::Iso };
         assert_eq!((layout.time, layout.record), (stamp, Some(1)));
         Ok((layout.force, layout.unit))
@@ -128,6 +145,24 @@ mod tests {
         options.column = Some("Pull".to_string());
         let error = places("TS,RN,kN,Volts", &options).unwrap_err();
         assert!(error.starts_with("column 'Pull' is in kN, and --unit says lbf"), "{error}");
+    }
+
+    #[test]
+    fn a_unit_that_is_not_in_its_row_is_said_or_asked_for() {
+        let options = LogOptions { column: Some("3".to_string()), ..LogOptions::default() };
+        let notes = |name: &str| {
+            let names = format!("TIMESTAMP,RECORD,{name},force_n");
+            let found = layout(names.as_bytes(), b"TS,RN,,N", &options, None);
+            found.map(|(layout, notes)| (layout.unit, notes)).map_err(|e| e.to_string())
+        };
+        let assumed = "column 'Load' has no unit: taken as N".to_string();
+        assert_eq!(notes("Load"), Ok((Unit::Newton, vec![assumed])));
+        let error = notes("Load_kgf_Avg").unwrap_err();
+        assert!(error.starts_with("the name of column 'Load_kgf_Avg' holds 'kgf'"), "{error}");
+        let other = layout(b"TIMESTAMP,Pull,force_n", b"TS,kN,N", &LogOptions::default(), None);
+        let other = other.map(|(_, notes)| notes).map_err(|e| e.to_string());
+        let said = "'force_n' is read, not 'Pull': --column takes another".to_string();
+        assert_eq!(other, Ok(vec![said]));
     }
 
     #[test]

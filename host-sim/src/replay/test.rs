@@ -88,7 +88,10 @@ fn effects(text: &str) -> Result<Effects, String> {
 /// The effects that the log names; all if it names none.
 fn said_effects(log: &Log) -> Result<Effects, InputError> {
     let said = log.metadata().effects.as_deref().unwrap_or("auto");
-    effects(said).map_err(|error| InputError::new(format!("'# effects: {said}': {error}")))
+    effects(said).map_err(|error| {
+        let line = log.metadata().line("effects").unwrap_or_default();
+        InputError::new(format!("line {line}: '# effects: {said}': {error}"))
+    })
 }
 
 /// The core's configuration for a log.

@@ -156,3 +156,33 @@ fn toa5_gaps_by_stamps_or_by_record_numbers() {
     let restarted = toa5((0..900).map(|i| (i, i % 500)));
     assert!(consecutive(&read(&restarted).1));
 }
+
+/// Numbers that thinning has left out are no lost samples; a larger step still is a gap.
+#[test]
+fn toa5_that_was_thinned_has_no_gaps() {
+    let thinned = |lost: u32| toa5((0..900).filter(|i| i % 2 == 0 && *i != lost).map(|i| (i, i)));
+    let (log, samples) = read(&thinned(1));
+    assert!(consecutive(&samples));
+    assert_eq!((log.rate_hz(), log.warnings()), (8.0, Vec::new()));
+    let indices = indices(&read(&thinned(600)).1);
+    assert_eq!((indices[299], indices[300], indices.len()), (299, 301, 449));
+}
+
+#[test]
+fn lines_that_end_with_cr_alone_are_recognised_below_a_comment() {
+    let with_cr =
+        |text: &str| format!("# test_id: A\n{text}").replace("\r\n", "\n").replace('\n', "\r");
+    let (log, samples) = read(&with_cr(&toa5((0..900).map(|i| (i, i)))));
+    assert_eq!((log.format(), samples.len()), (Format::Toa5, 900));
+    let (log, samples) = read(&with_cr(&cr10(1994, 100, 43_200, 365, 900).concat()));
+    assert_eq!((log.format(), samples.len()), (Format::Cr10, 900));
+}
+
+#[test]
+fn a_unit_above_a_cr10_log_is_one_for_the_command() {
+    let text = format!("# unit: kN\n{}", cr10(1994, 100, 43_200, 365, 90).concat());
+    let error = open(text.as_bytes(), &LogOptions::default()).unwrap_err();
+    assert!(error.starts_with("line 1: '# unit: kN'") && error.contains("give --unit"), "{error}");
+    let options = LogOptions { unit: Some(floe::log::Unit::Kilonewton), ..LogOptions::default() };
+    assert!(open(text.as_bytes(), &options).is_ok());
+}

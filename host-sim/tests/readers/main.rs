@@ -5,6 +5,7 @@ mod anything;
 mod campbell;
 mod rates;
 
+use floe::log::stamp::TimeUnit;
 use floe::log::{Format, Log, LogOptions, Sample};
 use floe_core::{Counts, Fault, Newtons, Reading};
 
@@ -55,4 +56,29 @@ fn csv_in_counts() {
     let mut log = open(b"time;adc\n0;6999\n0,0625;-8388608\n", &options).unwrap();
     let readings: Vec<Reading> = samples(&mut log).unwrap().iter().map(|s| s.raw.reading).collect();
     assert_eq!(readings, [Reading::Counts(Counts(6999)), Reading::Counts(Counts(-8_388_608))]);
+}
+
+#[test]
+fn an_empty_row_below_the_names_is_none_of_them() {
+    for (names, empty) in [("time_s;force_n", ";"), ("time_s,force_n", "\"\",\"\"")] {
+        let mark = if empty == ";" { ';' } else { ',' };
+        let row = |i: u32| format!("{}{mark}{i}\n", f64::from(i) / 16.0);
+        let rows = (0..90).map(row).collect::<String>();
+        let (log, samples) = read(&format!("{names}\n{empty}\n{rows}"));
+        assert!(consecutive(&samples) && samples.len() == 90);
+        let header = log.recognised().header.as_ref().unwrap();
+        assert_eq!((header.names.as_ref().unwrap().0, header.first_row), (1, 3));
+    }
+}
+
+#[test]
+fn times_as_text_have_no_unit_and_an_unread_date_is_said() {
+    let row = |i: u32| format!("02/29/2012,12:00:{:07.4},{i}\n", f64::from(i) / 16.0);
+    let text = "Date,Time,Force [N]\n".to_string() + &(0..90).map(row).collect::<String>();
+    let said = "column 'Date' is not read, and the log has no date: write 2012-02-29 or 29.02.2012";
+    assert_eq!(read(&text).0.warnings(), [said]);
+    let options = LogOptions { time_unit: Some(TimeUnit::Millisecond), ..LogOptions::default() };
+    let error = open(text.as_bytes(), &options).unwrap_err();
+    assert!(error.ends_with("--time-unit says ms: leave --time-unit out"), "{error}");
+    assert_eq!(read(&text.replace("02/29/2012", "2012-02-29")).0.warnings(), Vec::<String>::new());
 }

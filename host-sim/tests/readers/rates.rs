@@ -125,3 +125,33 @@ fn a_rate_near_that_of_the_last_digit_is_that_of_all_stamps() {
     let refused = open(format!("time_s,force_n\n{rows}").as_bytes(), &given).unwrap_err();
     assert!(refused.contains("leave --rate-hz out"), "{refused}");
 }
+
+/// 1000 samples a second with the ticks of a clock of 15.625 ms, in whole milliseconds.
+#[test]
+fn stamps_rounded_between_ticks_lose_no_sample() {
+    let tick = |i: u32| (f64::from(i) / 15.625).floor() * 15.625;
+    let row = |i: u32| format!("{:.3},{}\n", tick(i).floor() / 1e3, i % 997);
+    let text = "time_s,force_n\n".to_string() + &(0..4096).map(row).collect::<String>();
+    let (log, samples) = read(&text);
+    assert_eq!(log.rate_hz(), 1000.0);
+    assert!(consecutive(&samples));
+}
+
+#[test]
+fn a_rate_that_cannot_be_is_named_with_its_line() {
+    let error = open(b"# rate_hz: 0\nt,force_n\n0,1\n0.125,2\n", &LogOptions::default());
+    assert_eq!(
+        error.map(|_| ()).unwrap_err(),
+        "line 1: '# rate_hz:': a rate of 0 Hz is not within 1 to 2000"
+    );
+}
+
+/// Hundredths cut off from a binary number: 0.28 stands twice, and 0.29 never.
+#[test]
+fn no_stamp_is_said_to_be_left_out_at_the_rate_of_the_last_digit() {
+    let cut = |i: u32| (f64::from(i) / 100.0 * 100.0).floor() / 100.0;
+    let row = |i: u32| format!("{:.2},{}\n", cut(i), i % 997);
+    let text = "time_s,force_n\n".to_string() + &(0..1500).map(row).collect::<String>();
+    let said = read(&text).0.warnings().concat();
+    assert!(!said.contains("is left out, evenly"), "{said}");
+}

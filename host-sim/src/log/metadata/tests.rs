@@ -120,3 +120,13 @@ fn a_value_may_be_repeated_and_not_changed() {
     let error = metadata.take(b"# weight_n: 700", 9).unwrap_err().to_string();
     assert!(error.starts_with("'# weight_n:' says '700', and line 2 says otherwise"), "{error}");
 }
+
+#[test]
+fn a_line_that_comes_again_and_again_is_noted_a_few_times() {
+    let mut metadata = Metadata::default();
+    for number in 1..9999 {
+        metadata.take_late(b"# weight: 630", number).unwrap();
+    }
+    assert_eq!(metadata.notes.len(), 8);
+    assert!(metadata.notes[7].text.starts_with("line 8: "));
+}
