@@ -169,9 +169,9 @@ fn moments(context: &Context<'_>, plot: &mut Plot, event: &EventSummary, close: 
     }
 }
 
-/// The fit of every event, half-way to its neighbours.
+/// The fit of every event that has coefficients, half-way to its neighbours.
 fn draw_fits(context: &Context<'_>, plot: &mut Plot, events: &[EventSummary]) {
-    for (i, event) in events.iter().enumerate() {
+    for (i, event) in events.iter().enumerate().filter(|(_, event)| event.mu_s.is_some()) {
         let (before_s, after_s) = reach_s(events, i);
         let mut curve = line_before(event, before_s);
         curve.extend(slip_curve(event));
@@ -208,5 +208,22 @@ fn label_marks(context: &Context<'_>, plot: &mut Plot, event: &EventSummary, clo
         // Kept clear of the axis labels.
         let lowest = plot.y.range.0 - 6.0;
         plot.annotate(&text(class, (x + dx, (y + dy).min(lowest)), &label));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample_log::SampleLog;
+
+    #[test]
+    fn an_event_without_coefficients_has_no_fitted_curve() {
+        let curves = |log: &SampleLog| log.page().matches("class=\"model\"").count();
+        let mut log = SampleLog::dff8_13(60.0);
+        let all = curves(&log);
+        for event in log.result.events.kept.iter_mut().step_by(2) {
+            (event.mu_s, event.mu, event.reason) = (None, None, Some("no_fit".into()));
+        }
+        let some = curves(&log);
+        assert!(some > 0 && some < all, "{some} of {all}");
     }
 }
