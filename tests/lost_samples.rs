@@ -69,7 +69,8 @@ fn the_event_after_a_gap_has_no_duration_of_its_rest() {
                 RawSample { index, ..*s }
             };
             let there = samples.iter().filter(|s| !(from..from + lost).contains(&s.index));
-            let events = feed::replay(&scenes::config(&pull), there.map(later)).events;
+            let feed::Outcome { events, report, .. } =
+                feed::replay(&scenes::config(&pull), there.map(later));
             let until = from + lost + pause;
             let first = events.iter().position(|it| it.onset.index >= until).expect("an event");
             if events[first - 1].stop.index < from {
@@ -77,6 +78,8 @@ fn the_event_after_a_gap_has_no_duration_of_its_rest() {
             }
             let longest = events.iter().filter_map(|it| it.stick_s).fold(0.0, f32::max);
             assert!((1.0..4.0).contains(&longest), "{lost} {pause} {from}: {longest} s");
+            let recurrence_s = report.recurrence_s.expect("intervals without a gap");
+            assert!((1.6..2.0).contains(&recurrence_s), "{lost} {pause} {from}: {recurrence_s} s");
         }
     }
 }

@@ -86,9 +86,10 @@ impl CycleTracker {
                 let CycleParams { static_n, .. } = posterior.cycle;
                 let dynamic_n = posterior.cycle.dynamic_n();
                 let follows = self.site.effects.has(Effect::Level);
-                let shift = follows
-                    .then(|| self.levels.update(|levels| levels.take(static_n, dynamic_n)))??;
-                let first = (event.index.saturating_sub(shift.events_ago), event.onset);
+                let shift = follows.then(|| {
+                    self.levels.update(|levels| levels.take(event.index, (static_n, dynamic_n)))
+                })??;
+                let first = (shift.event, event.onset);
                 let watches = self.site.effects.has(Effect::Mass);
                 let (mass, before_n) = (&mut self.learnt.mass, shift.dynamic_before_n);
                 if watches && is_clear(posterior) && mass.try_weight(before_n) {

@@ -79,9 +79,7 @@ impl Level {
     /// Adds a value. `left` is the number of values that have left the recent ones since the last
     /// change, `compared` the number of levels compared in the test.
     fn add(&mut self, value: f32, left: f32, compared: f32) {
-        let [oldest, rest @ ..] = self.recent;
-        self.recent = [value; RECENT];
-        self.recent.iter_mut().zip(rest).for_each(|(to, from)| *to = from);
+        let oldest = shifted(&mut self.recent, value);
         if left < 0.0 {
             return;
         }
@@ -117,15 +115,23 @@ impl Level {
     }
 
     /// Number of newest events in a row that lie nearer to the new level than to the old one.
-    fn since(&self) -> u32 {
+    fn since(&self) -> usize {
         let off = self.off;
         let is_new = |value: &&f32| (**value - self.before) * off > 0.5 * off * off;
-        self.recent.iter().rev().take_while(is_new).count() as u32
+        self.recent.iter().rev().take_while(is_new).count()
     }
 
     fn is_reportable(&self) -> bool {
         self.off.abs() > LEAST * self.before.abs()
     }
+}
+
+/// Appends a value, and returns the first one, which leaves.
+fn shifted<T: Copy>(values: &mut [T; RECENT], newest: T) -> T {
+    let [oldest, rest @ ..] = *values;
+    *values = [newest; RECENT];
+    values.iter_mut().zip(rest).for_each(|(to, from)| *to = from);
+    oldest
 }
 
 /// Mean of the middle half of the values.
@@ -152,21 +158,28 @@ pub(crate) struct Levels {
     compared: f32,
     static_n: Level,
     dynamic_n: Level,
+    /// Numbers of the recent events, oldest first: events without coefficients are not among them.
+    numbers: [u32; RECENT],
 }
 
 /// A change of the level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NewLevel {
-    /// Number of events since the first one of the new level.
-    pub events_ago: u32,
+    /// Number of the first event of the new level.
+    pub event: u32,
     /// `Fp` before, N.
     pub dynamic_before_n: f32,
 }
 
 impl Levels {
-    /// Adds an event's forces. Returns `None` unless the level has changed.
-    pub(crate) fn take(&mut self, static_n: f32, dynamic_n: f32) -> Option<NewLevel> {
+    /// Adds the forces of the event with this number. Returns `None` unless the level has changed.
+    pub(crate) fn take(
+        &mut self,
+        event: u32,
+        (static_n, dynamic_n): (f32, f32),
+    ) -> Option<NewLevel> {
         let left = self.taken - RECENT as f32;
+        shifted(&mut self.numbers, event);
         self.taken += 1.0;
         self.static_n.add(static_n, left, self.compared);
         self.dynamic_n.add(dynamic_n, left, self.compared);
@@ -180,8 +193,8 @@ impl Levels {
         }
         let worst = if a.score() > b.score() { a } else { b };
         // The newest event is of the new level as well.
-        let events_ago = worst.since().saturating_sub(1);
-        let shift = NewLevel { events_ago, dynamic_before_n: b.before };
+        let first = self.numbers.iter().rev().nth(worst.since().saturating_sub(1));
+        let shift = NewLevel { event: first.copied().unwrap_or(event), dynamic_before_n: b.before };
         self.forget();
         Some(shift)
     }
@@ -207,9 +220,10 @@ mod tests {
     /// Events at which changes are found, and the first event of the new level of each.
     fn shifts_of(forces: impl Iterator<Item = f32>) -> impl Iterator<Item = (usize, usize)> {
         let mut levels = Levels::default();
+        // Every other event has no coefficients.
         forces.enumerate().filter_map(move |(i, force_n)| {
-            let shift = levels.take(1.6 * force_n, force_n)?;
-            Some((i, i - shift.events_ago as usize))
+            let shift = levels.take(2 * i as u32, (1.6 * force_n, force_n))?;
+            Some((i, shift.event as usize / 2))
         })
     }
 

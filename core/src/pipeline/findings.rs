@@ -162,7 +162,6 @@ impl Pipeline {
     }
 
     fn recurrence_s(&self) -> Option<f32> {
-        let intervals = self.events.saturating_sub(1);
-        (intervals > 0).then(|| self.since_first / (intervals as f32 * self.config.rate_hz))
+        (self.intervals > 0).then(|| self.recurrence / self.config.rate_hz)
     }
 }

@@ -101,9 +101,11 @@ pub struct Pipeline {
     events: u32,
     /// The newest change.
     change: Option<Change>,
-    /// Onset of the first event, and periods from there to the newest one.
-    first_onset: SampleTime,
-    since_first: f32,
+    /// Onset of the newest event; number of the intervals between events without a gap, and their
+    /// mean, periods.
+    last_onset: SampleTime,
+    intervals: u32,
+    recurrence: f32,
 }
 
 impl Pipeline {
@@ -145,8 +147,9 @@ impl Pipeline {
             change: None,
             change_given: true,
             stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
-            first_onset: SampleTime::ZERO,
-            since_first: 0.0,
+            last_onset: SampleTime::ZERO,
+            intervals: 0,
+            recurrence: 0.0,
         })
     }
 

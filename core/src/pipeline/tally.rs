@@ -28,10 +28,13 @@ impl Pipeline {
             self.detector.fitted_noise(noise_n, event.mu_s.is_some());
             self.detector.creeps(self.cycles.creep_periods());
         }
-        if self.events == 0 {
-            self.first_onset = event.onset;
+        // A gap may hide slips.
+        if event.stick_s.is_some() {
+            self.intervals = self.intervals.saturating_add(1);
+            let interval = event.onset.periods_since(self.last_onset);
+            self.recurrence += (interval - self.recurrence) / self.intervals as f32;
         }
-        self.since_first = event.onset.periods_since(self.first_onset);
+        self.last_onset = event.onset;
         self.events = self.events.saturating_add(1);
         if let Some(change) = change {
             let onset = self.decimator.moment(change.onset);
