@@ -40,7 +40,7 @@ impl Detector {
     /// Is the force back on the old stick line, as after a spike? A block that creeps leaves the
     /// line before it slips: then a parallel line through the highest sample counts.
     pub(super) fn is_back(&self, now: ForcePoint, drop: f32) -> bool {
-        let off_n = self.off_line_n(now);
+        let off_n = self.off_line_n(now).filter(|_| self.line_fits());
         match (off_n, self.before_peak_n()) {
             (Some(off_n), _) => {
                 let peak_off_n = self.off_line_n(self.stick.highest).unwrap_or_default();
