@@ -63,7 +63,7 @@ impl CycleTracker {
 
     /// Has the fit converged to the pending slip?
     pub(super) fn shows_slip(&self, fit: &Fit) -> bool {
-        fit.converged && self.pending.as_ref().is_some_and(|slip| slip.holds(fit.cycle()))
+        fit.converged && self.pending.as_ref().is_some_and(|slip| slip.holds(&fit.shape))
     }
 
     /// The first answer from a fit, with the same priors and noise as the event itself will have.

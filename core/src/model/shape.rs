@@ -13,6 +13,8 @@ pub struct Shape {
     q: f32,
     /// `a² = d² + q²` (10), N².
     a2: f32,
+    /// `φ = atan(q / d)`.
+    phase: f32,
     /// Time of sliding: `T_slide` (25), or up to the stop on a slack cable.
     slide: f32,
     /// Shift of the ellipse's centre by a rate change of one that grows linearly over the slip:
@@ -51,7 +53,7 @@ impl CycleParams {
             }
         };
         let ramp = if slack.is_none() { 1.0 / (slide * self.omega * self.omega) } else { 0.0 };
-        Shape { cycle: *self, q, a2, slide, ramp, arc, slack }
+        Shape { cycle: *self, q, a2, phase, slide, ramp, arc, slack }
     }
 }
 
@@ -67,6 +69,12 @@ impl Shape {
     #[must_use]
     pub(crate) fn fall_time(&self) -> f32 {
         self.arc
+    }
+
+    /// Time from the onset to the largest force, `φ / ω`.
+    #[must_use]
+    pub(crate) fn peak_time(&self) -> f32 {
+        self.phase / self.cycle.omega
     }
 
     /// Time at which the block rests again.

@@ -250,7 +250,7 @@ impl CycleFit {
         let ControlFlow::Break(fit) = fitting.step(&data, self.expected.noise_n2) else {
             return;
         };
-        let holds = |fit: &&Fit| fit.converged && slip.holds(fit.cycle());
+        let holds = |fit: &&Fit| fit.converged && slip.holds(&fit.shape);
         let Some(fit) = fit.as_ref().filter(holds) else {
             // A wrong estimate of the corners may be why the fit failed.
             learnt.corner = Kept::default();

@@ -36,6 +36,8 @@ pub(crate) struct Rough {
     /// Part of the drop within which a sample counts as still high or already low, beyond the
     /// noise.
     pub(super) edge_part: f32,
+    /// Angle at which half a cosine has fallen by `edge_part`.
+    edge_angle: f32,
 }
 
 /// Relative standard deviation of the swing from winch and weight. Tuned: with .03 the intervals of
@@ -86,7 +88,8 @@ impl Rough {
         let edge_part = math::smaller(0.1 + 3.0 * noise_n / drop_n, 0.3);
         let (slide, slide_std) = (slide * longer, slide_std * longer);
         let rise = phase * fall / PI;
-        Self { rate, rise, slide, slide_std, edge_part, ..Self::default() }
+        let edge_angle = math::acos(1.0 - 2.0 * edge_part);
+        Self { rate, rise, slide, slide_std, edge_part, edge_angle, ..Self::default() }
     }
 
     /// The swing `1/ω` and its standard deviation, periods: from the samples; or, where these
@@ -205,7 +208,7 @@ impl SlipRecord {
     /// than a period from where the cable began to load at `rate`, N per period; noise and zero
     /// error add to that.
     #[inline(never)]
-    fn reaches_zero(&self, rate: f32) -> bool {
+    pub(super) fn reaches_zero(&self, rate: f32) -> bool {
         const PERIODS: f32 = 2.0;
         // Part of the highest force, for a zero error of the cell: missing the slack would be its
         // worst effect.
@@ -227,7 +230,7 @@ impl SlipRecord {
 
     /// Angle at which half a cosine has fallen by the part of the drop that defines the edges.
     pub(crate) fn edge_angle(&self) -> f32 {
-        math::acos(1.0 - 2.0 * self.rough.edge_part)
+        self.rough.edge_angle
     }
 
     /// Times, periods, of the edges: the last high sample before the middle of the fall, and the

@@ -11,8 +11,8 @@ use crate::cycle::slip_record::extremes::{Extreme, Rough};
 use crate::detector::{Detector, Stick};
 use crate::event::Reason;
 use crate::fit::Samples;
-use crate::model::CycleParams;
 use crate::model::elongation::Elongation;
+use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
 use crate::noise::sinusoid::Sinusoid;
 use crate::num::math::{self, larger};
@@ -308,9 +308,21 @@ impl SlipRecord {
     }
 
     /// Is a fitted cycle the slip in the samples? Its ends have to lie near the highest and the
-    /// lowest sample, within half the drop plus the rise of the line in two periods.
-    pub(crate) fn holds(&self, cycle: &CycleParams) -> bool {
-        self.is_spanned(cycle, 0.5, 2.0)
+    /// lowest sample, within half the drop plus the rise of the line in two periods. Its fall has
+    /// to begin and end near the edges of the samples' fall, within two periods plus half the fall;
+    /// on a slack cable the samples have to fall to zero.
+    pub(crate) fn holds(&self, shape: &Shape) -> bool {
+        let cycle = shape.cycle();
+        let (from, to) = self.rough.edges;
+        let most = 2.0 + 0.5 * (to - from);
+        let lead = self.lead(shape);
+        let begins = (cycle.onset + lead - from).abs() < most;
+        let ends = if cycle.is_taut() {
+            (shape.stop() - lead - to).abs() < most
+        } else {
+            self.reaches_zero(cycle.rate)
+        };
+        begins && ends && self.is_spanned(cycle, 0.5, 2.0)
     }
 
     /// Do the ends of a cycle lie near the highest and the lowest sample, within `part` of the drop
@@ -321,5 +333,11 @@ impl SlipRecord {
         let far_n = part * (peak_n - low_n) + periods * cycle.rate;
         let is_near = |a: f32, b: f32| (a - b).abs() < far_n;
         is_near(cycle.static_n, peak_n) && (!cycle.is_taut() || is_near(cycle.restick_n(), low_n))
+    }
+
+    /// Time from the onset of a cycle to the beginning of its fall, with the fall defined as in
+    /// `edges`; by symmetry also the time from the end of the fall to the stop.
+    fn lead(&self, shape: &Shape) -> f32 {
+        shape.peak_time() + self.edge_angle() / shape.cycle().omega
     }
 }
