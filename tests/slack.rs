@@ -192,3 +192,23 @@ fn a_winch_that_changes_in_the_slack() {
     println!("rms of {} mu: {rms:.2} std", distances.len());
     assert!(distances.len() > 18 && rms < 1.5, "{rms} in {} events", distances.len());
 }
+
+/// A winch that stands while the cable hangs slack in one of the first events: no other event
+/// gives the usual time without force, but the swing of winch and weight does.
+#[test]
+fn a_winch_that_stands_in_the_first_slack_is_noticed() {
+    let scene = Scene { duration_s: 40.0, ..scenes::stored("honesty/slack_pauses") };
+    let (mut read, mut far) = (0, 0);
+    for seed in 1..=100 {
+        let tried = run(&scene, seed);
+        for &(truth, found) in &tried.pairs {
+            let (truth, Event { mu_s, mu, .. }) = (&tried.truths[truth], &tried.found[found]);
+            let Some((mu_s, mu)) = mu_s.zip(*mu) else { continue };
+            let worst = off(&mu_s, truth.mu_s).abs().max(off(&mu, truth.mu).abs());
+            read += 1;
+            far += usize::from(worst > 5.0);
+        }
+    }
+    println!("{read} events with both coefficients, {far} beyond five standard deviations");
+    assert!(read > 800 && far * 200 <= read, "{far} of {read}");
+}

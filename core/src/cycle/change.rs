@@ -15,7 +15,7 @@ use crate::stats::fading_trend::FadingTrend;
 
 /// Number of consecutive misfits after which all expectations are dropped, the same as for a single
 /// quantity (`stats/fading_trend.rs`).
-const CHANGED: u8 = 3;
+pub(super) const CHANGED: u8 = 3;
 
 impl Expectations {
     /// Are the event's residuals an outlier among those of the other events? The winch paused or

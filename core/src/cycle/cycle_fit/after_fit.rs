@@ -13,7 +13,7 @@ use crate::fit::correction::Correction;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::excess_ratio;
-use crate::fit::{Fit, Variances};
+use crate::fit::{Fit, SWING, Variances};
 use crate::model::elongation::Elongation;
 use crate::num::math::{larger, smaller};
 
@@ -113,6 +113,10 @@ impl CycleFit {
         let is_resolved = posterior.is_resolved();
         if slip.hides_length(learnt.knows_omega()) {
             self.stage = FitStage::Failed(Reason::Hidden);
+            return;
+        }
+        if learnt.stood_slack(fit.cycle(), posterior.unknowns[SWING], slip.limit) {
+            self.stage = FitStage::Failed(Reason::LetGo);
             return;
         }
         *alone = fit.forces_alone(data.rate).filter(|_| is_resolved);
