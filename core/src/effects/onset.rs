@@ -30,7 +30,7 @@ const COURSE: f32 = 2.0;
 const PRIOR_STD: f32 = 0.06;
 
 /// Weight, in events, of an event whose slip is too brief to determine the terms. Where no slip has
-/// more samples, the prior is dropped from the twenty-fifth event on, as for shorter slips. Tuned:
+/// more samples, the prior is dropped from the twenty-sixth event on, as for shorter slips. Tuned:
 /// with a quarter two more of 773 events of `jitter_10` are beyond five standard deviations.
 const BRIEF: f32 = 0.1;
 
