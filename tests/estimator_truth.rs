@@ -12,7 +12,7 @@ use floe_core::num::math;
 use floe_core::{Config, Event, Quality, model};
 use floe_tests::brute::{self, Pull};
 use floe_tests::score::rms;
-use floe_tests::{feed, scenes};
+use floe_tests::{both, feed, scenes};
 
 /// Smallest number of events per scene and source.
 const EVENTS: usize = 6000;
@@ -123,9 +123,7 @@ struct Score {
 
 impl Score {
     fn add(&mut self, test: &Test, pull: &Pull, config: &Config, found: &[Event]) {
-        let time_s = |e: &Event| {
-            test.delay_s + (e.onset.index as f64 + f64::from(e.onset.fraction)) / pull.rate_hz
-        };
+        let time_s = |e: &Event| test.delay_s + both::periods(e) / pull.rate_hz;
         let near = |e: &Event, t: &True| (time_s(e) - t.onset_s).abs() < 0.1;
         let is_true = |e: &&Event| test.events.iter().any(|t| near(e, t));
         self.invented += found.iter().filter(|e| !is_true(e)).count();
