@@ -63,6 +63,8 @@ fn bent() -> Vec<(String, Scene)> {
 fn checks((name, scene): &(String, Scene)) -> Vec<Check> {
     let score = Score::of(scene, EVENTS, RECORDS);
     assert!(score.detection.f1() > 0.999, "{name}: {:?}", score.detection);
+    // Of the slow ripples, up to a fifth of the events is refused.
+    assert!(score.share_read() > 0.75, "{name}: {} read", score.share_read());
     let of = |(coefficient, e): (&str, &Errors)| {
         let (bias, p95, coverage) = (e.bias(), e.p95(), e.coverage());
         println!(

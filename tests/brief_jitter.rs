@@ -17,15 +17,17 @@ fn off(stiffer: f64, jitter: &str) -> (Vec<f64>, f64) {
     let scene = stored(&format!("honesty/{jitter}"));
     let stiffness_n_per_m = stiffer * scene.stiffness_n_per_m;
     let scene = Scene { stiffness_n_per_m, ..scene };
-    let (mut off, mut stds) = (Vec::new(), Vec::new());
+    let (mut off, mut stds, mut due) = (Vec::new(), Vec::new(), 0);
     for seed in 1..=SEEDS {
         let tried = run(&scene, seed);
+        due += tried.truths.len();
         for &(truth, found) in &tried.pairs {
             let Some(mu_s) = tried.found[found].mu_s else { continue };
             off.push(score::off(&mu_s, tried.truths[truth].mu_s));
             stds.push(f64::from(mu_s.combined_std()));
         }
     }
+    assert!(off.len() * 10 > due * 9, "{jitter}, k x {stiffer}: {} of {due} read", off.len());
     (off, quantile(stds.into_iter(), 0.5))
 }
 

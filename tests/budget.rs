@@ -114,6 +114,7 @@ fn intervals_hold_when_the_inputs_are_drawn() {
         means.0 += usize::from((f64::from(low)..=f64::from(high)).contains(&scene.mu));
         means.1 += 1;
     }
+    assert!(events.1 as u64 > 15 * seeds && means.1 as u64 == seeds, "{events:?} {means:?}");
     for (what, (inside, all)) in [("events", events), ("means", means)] {
         let coverage = f64::from(inside as u32) / f64::from(all as u32);
         println!("{what}: {inside} of {all}, {coverage:.3}");
@@ -238,6 +239,7 @@ fn events_hold_the_losses_of_the_whole_test() {
         let (mu_s, mu) = (event.mu_s.unwrap(), event.mu.unwrap());
         -std::f32::consts::FRAC_PI_2 * (mu_s.value - mu.value)
     };
+    assert_eq!(then.len(), known.len());
     // Every other input is exact, so the systematic part comes from the losses only.
     for (then, known) in then.iter().zip(&known) {
         let (mu_s, mu) = (known.mu_s.unwrap().systematic_std, known.mu.unwrap().systematic_std);
@@ -260,6 +262,7 @@ fn events_hold_the_losses_of_the_whole_test() {
 #[test]
 fn losses_that_are_known_exactly_change_no_event() {
     let (.., [then, known], report) = lossy(0.0);
+    assert!(then.len() > 20, "{}", then.len());
     assert_eq!(then, known);
     assert!(report.damping_std.abs() < f32::EPSILON);
 }

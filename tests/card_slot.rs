@@ -5,10 +5,9 @@ use std::io::Cursor;
 
 use floe::card;
 use floe_firmware::card::CardLog;
-use floe_firmware::line::Line;
 use floe_firmware::settings::Settings;
 use floe_firmware::store::CardState;
-use floe_tests::board::{lines, with_board};
+use floe_tests::board::{last_settings, with_board};
 use floe_tests::fat::{Rest, SimCard, formatted, picture, with_picture};
 use floe_tests::records::{settings, stick_slip};
 
@@ -183,10 +182,7 @@ fn settings_at_power_up(card: &SimCard) -> Settings {
     with_board(CardLog::new(card.clone(), LOG_SECTORS), &[0], |board| {
         board.tick();
         board.type_in(b"status\n");
-        let said = board.said();
-        let settings =
-            |line| if let Line::Start { settings, .. } = line { Some(settings) } else { None };
-        lines(&said).filter_map(settings).last().expect("settings")
+        last_settings(&board.said())
     })
 }
 

@@ -11,8 +11,9 @@ const RECORDS: u64 = 8;
 /// Smallest number of events of a scene whose coverage is checked.
 const EVENTS: usize = 200;
 
-/// Root-mean-square errors of `mu_s` and `mu` over all events, including the first ones.
-fn errors(name: &str, effects: Effects) -> [f64; 2] {
+/// Root-mean-square errors of `mu_s` and `mu` over all events, including the first ones, and their
+/// numbers.
+fn errors(name: &str, effects: Effects) -> ([f64; 2], [usize; 2]) {
     let (scene, mut off) = (stored(name), [vec![], vec![]]);
     for seed in 1..=RECORDS {
         let tried = run_looking_for(effects, &scene, seed);
@@ -25,14 +26,18 @@ fn errors(name: &str, effects: Effects) -> [f64; 2] {
             }
         }
     }
-    off.map(|off| rms(&off))
+    (off.each_ref().map(|off| rms(off)), off.map(|off| off.len()))
 }
 
 /// Ratios of the errors with all effects to those without the effect `Ripple`.
 fn ratios(name: &str) -> [f64; 2] {
     let lines = Effect::ALL.into_iter().filter(|it| *it != Effect::Ripple);
     let lines = lines.fold(Effects::NONE, |set, it| set.with(it, true));
-    let (all, alone) = (errors(name, Effects::default()), errors(name, lines));
+    let ((all, read), (alone, read_alone)) =
+        (errors(name, Effects::default()), errors(name, lines));
+    // An answer that is refused has no error.
+    let is_read = |(all, alone): (&usize, &usize)| *alone > EVENTS && all * 20 > alone * 19;
+    assert!(read.iter().zip(&read_alone).all(is_read), "{name}: {read:?} {read_alone:?}");
     let ratios = [all[0] / alone[0], all[1] / alone[1]];
     println!("{name}: {all:.5?} with all effects, {alone:.5?} by the lines, ratio {ratios:.2?}");
     ratios
@@ -64,6 +69,7 @@ fn slow_noise_in_long_rests_is_no_swing() {
     let dense = Scene { rate_hz: 2.0 * noise.rate_hz, ..noise };
     for (name, scene) in [("half as fast", slow), ("32 Hz", dense)] {
         let score = Score::of(&scene, EVENTS, RECORDS);
+        assert!(score.share_read() > 0.9, "{name}: {} read", score.share_read());
         let coverage = score.errors.each_ref().map(|it| it.coverage());
         println!("{name}: mu_s and mu covered {coverage:.3?}");
         assert!(coverage.iter().all(|it| *it > 0.87), "{name}: {coverage:?}");

@@ -43,12 +43,15 @@ fn commands_that_exist() {
 fn subcommands_are_known() {
     let readme = read("README.md");
     let code = readme.split("```").skip(1).step_by(2);
+    let mut commands = 0;
     for line in code.flat_map(str::lines) {
         let Some(rest) = line.trim_start_matches("$ ").strip_prefix("floe ") else { continue };
         let word = rest.split_whitespace().next().unwrap_or_default();
         let file = root().join("host-sim/src/cli").join(word).with_extension("rs");
         assert!(word.starts_with('-') || file.is_file(), "README: {line}");
+        commands += 1;
     }
+    assert!(commands > 1, "the README shows {commands} commands");
 }
 
 #[test]

@@ -22,7 +22,8 @@ const NOT_YET: [(&str, f64, &str); 4] = [
 ];
 
 /// Differences of both coefficients in stated standard deviations, in the first records and in all;
-/// ratios of the median standard deviations; and number of events that only one of them has.
+/// ratios of the median standard deviations; and number of events or coefficients that only one of
+/// them has.
 fn differences(scene: &Scene, effects: Effects) -> ([[f64; 2]; 2], [f64; 2], usize) {
     let mut first = [0.0; 2];
     let (mut apart, mut stds, mut lost) =
@@ -33,7 +34,10 @@ fn differences(scene: &Scene, effects: Effects) -> ([[f64; 2]; 2], [f64; 2], usi
         lost += all.len().abs_diff(some.len());
         for (a, b) in all.iter().zip(&some) {
             for (i, pair) in [(a.mu_s, b.mu_s), (a.mu, b.mu)].into_iter().enumerate() {
-                let (Some(a), Some(b)) = pair else { continue };
+                let (Some(a), Some(b)) = pair else {
+                    lost += usize::from(pair.0.is_some() != pair.1.is_some());
+                    continue;
+                };
                 apart[i].push(f64::from(a.value - b.value) / f64::from(b.std));
                 stds[i][0].push(f64::from(a.std));
                 stds[i][1].push(f64::from(b.std));
@@ -43,6 +47,7 @@ fn differences(scene: &Scene, effects: Effects) -> ([[f64; 2]; 2], [f64; 2], usi
             first = apart.each_ref().map(|them| rms(them));
         }
     }
+    assert!(apart.iter().all(|them| them.len() > 1000), "{:?}", apart.each_ref().map(Vec::len));
     let ratios = stds.map(|[all, some]| {
         let median = |of: Vec<f64>| score::quantile(of.into_iter(), 0.5);
         median(all) / median(some)

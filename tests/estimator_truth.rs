@@ -12,8 +12,10 @@ use floe_core::num::math;
 use floe_core::{Config, Event, Quality, model};
 use floe_tests::brute::{self, Pull};
 use floe_tests::score::rms;
-use floe_tests::{feed, scenes};
+use floe_tests::{both, feed, scenes};
 
+/// Largest fraction of errors beyond five stated standard deviations.
+const BEYOND_FIVE: f64 = 0.005;
 /// Smallest number of events per scene and source.
 const EVENTS: usize = 6000;
 
@@ -105,6 +107,10 @@ impl Errors {
     }
 }
 
+fn beyond_five(normalised: &[f64]) -> f64 {
+    normalised.iter().filter(|z| z.abs() > 5.0).count() as f64 / normalised.len() as f64
+}
+
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
@@ -123,9 +129,7 @@ struct Score {
 
 impl Score {
     fn add(&mut self, test: &Test, pull: &Pull, config: &Config, found: &[Event]) {
-        let time_s = |e: &Event| {
-            test.delay_s + (e.onset.index as f64 + f64::from(e.onset.fraction)) / pull.rate_hz
-        };
+        let time_s = |e: &Event| test.delay_s + both::periods(e) / pull.rate_hz;
         let near = |e: &Event, t: &True| (time_s(e) - t.onset_s).abs() < 0.1;
         let is_true = |e: &&Event| test.events.iter().any(|t| near(e, t));
         self.invented += found.iter().filter(|e| !is_true(e)).count();
@@ -221,6 +225,8 @@ fn check(name: &str, pull: &Pull, limits: Limits) -> Vec<Score> {
                 assert!(spread < limit * bound, "{case}: rms {spread} over {bound}");
                 let coverage = errors.coverage();
                 assert!((0.93..=0.97).contains(&coverage), "{case}: coverage {coverage}");
+                let far = beyond_five(&errors.normalised);
+                assert!(far <= BEYOND_FIVE, "{case}: {far} of the errors beyond five");
                 let chance = 4.0 * bias_error;
                 assert!(bias.abs() < chance, "{case}: bias {bias}, by chance at most {chance}");
                 assert!(chance < 0.3 * spread, "{case}: too few events to see a bias");
@@ -305,6 +311,8 @@ fn check_means(name: &str, pull: &Pull) {
         );
         // Binomial scatter of 400 tests: 1.1 %.
         assert!((0.91..=0.99).contains(&coverage), "{name} {coefficient}: coverage {coverage}");
+        let far = beyond_five(&errors);
+        assert!(far <= BEYOND_FIVE, "{name} {coefficient}: {far} of the means beyond five");
     }
 }
 

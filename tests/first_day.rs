@@ -23,7 +23,6 @@ use floe_core::Report;
 use floe_firmware::display::rows;
 use floe_firmware::line::Line;
 use floe_firmware::notebook::{Kind, WeightFrom};
-use floe_firmware::settings::Settings;
 use floe_firmware::wall_clock::Moment;
 use floe_tests::day::{DAY, LOOKED, MOVED_N, NOISE, SPAN, codes, day};
 use floe_tests::scripted::{Card, Session, run};
@@ -114,12 +113,6 @@ fn one_day(card: &Card) -> Session {
     run(cell, Schedule::default(), card, &DAY)
 }
 
-fn last_settings(board: &Session) -> Settings {
-    let settings =
-        |line| if let Line::Start { settings, .. } = line { Some(settings) } else { None };
-    board.lines().filter_map(settings).last().expect("settings")
-}
-
 fn report(board: &Session) -> Report {
     let report = |line| if let Line::Report(report) = line { Some(report) } else { None };
     board.lines().filter_map(report).last().expect("a report")
@@ -141,7 +134,7 @@ fn the_day_is_the_one_in_the_documentation() {
 #[test]
 fn what_was_measured_before_the_pull_is_right() {
     let board = one_day(&Card::default());
-    let settings = last_settings(&board);
+    let settings = board.last_settings();
     let (config, std_n) = (settings.config, settings.stds.weight_n.expect("a std"));
     // With an exact span the weight is exact.
     let span = 429.5;
@@ -171,7 +164,7 @@ fn board_display_and_card_agree() {
     assert_eq!(result.estimate.mu.mean, mean(report.mu));
     assert_eq!(result.events.len(), board.events().len());
     // The error budgets from the board's report and from the replay agree too.
-    let said = lines(&last_settings(&board).core_config(), &report);
+    let said = lines(&board.last_settings().core_config(), &report);
     assert!(said.len() > 5 && said == result.budget, "{said:?}\n{:?}", result.budget);
     let winch = said.iter().find(|line| line.input == "winch_m_per_s").expect("the winch");
     assert!((winch.std.expect("a std") - 0.0002).abs() < 1e-9, "{winch:?}");

@@ -185,10 +185,7 @@ fn another_span_does_not_cancel_in_a_weight() {
     let script =
         [(0, "set weight 300\nset weight-from same_cell\n"), (1, "set span 4500\nstatus\n")];
     let board = run(cell(&[0]), Schedule::default(), &Card::default(), &script);
-    let settings = board.lines().filter_map(|line| {
-        if let Line::Start { settings, .. } = line { Some(settings) } else { None }
-    });
-    assert_eq!(settings.last().expect("settings").weight_from, Some(WeightFrom::Other));
+    assert_eq!(board.last_settings().weight_from, Some(WeightFrom::Other));
 }
 
 /// A weight in newtons is that of the span with which it was measured.
@@ -201,10 +198,7 @@ fn the_span_does_not_change_while_the_block_is_weighed() {
         (152, "status\n"),
     ];
     let board = run(cell(&[400 * 300]), Schedule::default(), &Card::default(), &script);
-    let settings = board.lines().filter_map(|line| {
-        if let Line::Start { settings, .. } = line { Some(settings) } else { None }
-    });
-    let config = settings.last().expect("settings").config;
+    let config = board.last_settings().config;
     let codes = config.weight_n * config.calibration.counts_per_n;
     assert!((codes / 120_000.0 - 1.0).abs() < 1e-3, "{config:?}");
 }
@@ -257,10 +251,7 @@ fn tare_and_calibration_survive_the_power() {
     let first = run(cell(&codes), Schedule::default(), &card, &script);
     assert!(first.says("accept, or abort"), "{}", first.screen);
     let again = run(cell(&codes), Schedule::default(), &card, &[(0, "status\n")]);
-    let settings = again.lines().find_map(|line| {
-        if let Line::Start { settings, .. } = line { Some(settings) } else { None }
-    });
-    let config = settings.expect("settings").config;
+    let config = again.last_settings().config;
     assert!((config.calibration.tare_counts - 12_345).abs() < 10, "{config:?}");
     assert!((config.calibration.counts_per_n - 4_000.0).abs() < 0.2, "{config:?}");
     assert_eq!(config.weight_n.to_bits(), 300.0_f32.to_bits());

@@ -2,8 +2,7 @@
 
 use floe::sim::{Scene, TrueEvent, simulate};
 use floe_core::Config;
-use floe_tests::feed;
-use floe_tests::score;
+use floe_tests::{both, feed, score};
 
 const HZ: f64 = 16.0;
 /// Samples between a slip and the gap, and samples in the gap.
@@ -30,9 +29,7 @@ fn a_slip_right_before_a_gap_is_read() {
         let found = feed::replay(&config, samples).events;
         for truth in &before {
             let is_it = |onset_s: f64| (onset_s - truth.onset_s).abs() < 2.0 / HZ;
-            let event = found
-                .iter()
-                .find(|it| is_it((it.onset.index as f64 + f64::from(it.onset.fraction)) / HZ));
+            let event = found.iter().find(|it| is_it(both::periods(it) / HZ));
             cut += 1;
             let values = event.and_then(|it| it.mu_s.zip(it.mu));
             let Some((mu_s, mu)) = values else { continue };

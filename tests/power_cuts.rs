@@ -11,11 +11,11 @@ use floe::card::{self, Test};
 use floe_core::{Counts, Event, Pipeline};
 use floe_firmware::card::CardLog;
 use floe_firmware::line::Line;
-use floe_tests::board::{lines, with_board};
+use floe_tests::board::{last_settings, with_board};
 use floe_tests::fat::{Rest, SimCard, formatted, partition};
 use floe_tests::fuzz::Dice;
-use floe_tests::in_ci;
 use floe_tests::records::stick_slip;
+use floe_tests::{in_ci, number};
 
 /// Length of the log, sectors: 512 KiB, eight minutes.
 const LOG_SECTORS: u32 = 1024;
@@ -99,8 +99,7 @@ fn mended(fsck: &Path, place: &Path) -> Vec<Test> {
 
 #[test]
 fn nothing_is_lost_but_the_last_half_second() {
-    let cuts: u64 =
-        std::env::var("FLOE_POWER_CUTS").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
+    let cuts = number("FLOE_POWER_CUTS", 300.0) as u64;
     let codes = stick_slip(WHOLE);
     let used = used_card(&codes);
     let place = std::env::temp_dir().join(format!("floe-cuts-{}.img", std::process::id()));
@@ -178,15 +177,7 @@ fn a_part_that_went_on_is_replayed_to_the_boards_events() {
 fn settings(card: &SimCard, codes: &[i32]) -> f32 {
     with_board(CardLog::new(card.clone(), LOG_SECTORS), codes, |board| {
         board.type_in(b"status\n");
-        let said = board.said();
-        let weight = lines(&said).find_map(|line| {
-            if let Line::Start { settings, .. } = line {
-                Some(settings.config.weight_n)
-            } else {
-                None
-            }
-        });
-        weight.expect("its settings")
+        last_settings(&board.said()).config.weight_n
     })
 }
 
@@ -263,6 +254,9 @@ fn a_new_card_that_is_cut_is_made_on() {
         );
         assert!(worst <= 8);
         assert!(rest != Rest::Old || lost == 0, "{lost} not used");
+        assert!(lost * 4 < CUTS as u32, "{lost} not used");
+        // The mended ones are compared only where some were not clean.
+        assert!(dirty > 0 || fsck.is_none(), "every card was clean");
     }
     let _ = std::fs::remove_file(&place);
 }

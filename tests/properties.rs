@@ -1,5 +1,7 @@
 //! Invariances of the results: chunks, units, and start of the indices.
 
+use std::cell::Cell;
+
 use floe_core::estimator::Estimator;
 use floe_core::{
     Calibration, Coefficient, Config, Counts, Event, Pipeline, RawSample, Reading, SampleTime,
@@ -9,6 +11,21 @@ use floe_tests::feed::{self, Outcome};
 use floe_tests::random::{check, forces_n, pulls, samples};
 use floe_tests::scenes;
 use proptest::prelude::*;
+
+/// The other properties hold for pulls without a slip too, and would then say nothing.
+#[test]
+fn most_pulls_have_slips() {
+    let (with_slips, read) = (Cell::new(0), Cell::new(0));
+    check(60, pulls(), |test| {
+        let events = feed::replay(&scenes::config(&test.0), samples(&test)).events;
+        with_slips.set(with_slips.get() + u32::from(events.len() > 4));
+        read.set(read.get() + events.iter().filter(|it| it.mu_s.is_some()).count());
+        Ok(())
+    });
+    let (with_slips, read) = (with_slips.get(), read.get());
+    println!("{with_slips} of 60 pulls have slips, {read} of these with mu_s");
+    assert!(with_slips > 50 && read > 1000, "{with_slips} {read}");
+}
 
 /// The pipeline contains its whole state: it can be moved or copied between samples at any time.
 #[test]

@@ -11,6 +11,7 @@ use floe_firmware::store::CardState;
 use floe_tests::board::{Board, lines, with_board};
 use floe_tests::fat::{Rest, SimCard, formatted};
 use floe_tests::fuzz::Dice;
+use floe_tests::number;
 use floe_tests::records::stick_slip;
 
 const LOG_SECTORS: u32 = 1024;
@@ -111,19 +112,21 @@ fn known(board: &mut Logger<'_, '_>) -> Known {
     (run, settings, board.view().report.is_some())
 }
 
-/// No card has a second log, damaged or lost sectors, or a test that had to be taken apart.
-fn check(content: Vec<u8>, done: &[String]) {
+/// No card has a second log, damaged or lost sectors, or a test that had to be taken apart; returns
+/// the number of its tests.
+fn check(content: Vec<u8>, done: &[String]) -> usize {
     let logs = content.chunks_exact(32).filter(|entry| entry.starts_with(b"FLOE    LOG"));
     assert!(logs.count() <= 1, "{done:?}");
-    let Ok((tests, found)) = card::tests(Cursor::new(content)) else { return };
+    let Ok((tests, found)) = card::tests(Cursor::new(content)) else { return 0 };
     assert_eq!((found.damaged, found.unsound, found.lost), (0, 0, 0), "{done:?}");
     assert!(tests.iter().all(|test| test.split.is_none()), "{done:?}");
+    tests.len()
 }
 
 #[test]
 fn what_is_in_use_comes_back() {
-    let count =
-        std::env::var("FLOE_RANDOM_DAYS").map_or(200, |count| count.parse().expect("a number"));
+    let count = number("FLOE_RANDOM_DAYS", 200.0) as u64;
+    let (mut compared, mut kept) = (0, 0);
     for seed in 0..count {
         let (mut dice, mut done) = (Dice::new(seed), vec![format!("seed {seed}")]);
         let (card, mut others) = (SimCard::new(formatted()), vec![formatted(), formatted()]);
@@ -137,9 +140,13 @@ fn what_is_in_use_comes_back() {
             before = Some(with_board(log, &stick_slip(3200), |board| {
                 let (dice, done, others) = (&mut dice, &mut done, &mut others[..]);
                 let mut day = Day { card: &card, others, dice, done, is_testing: false };
+                compared += usize::from(before.is_some() && !card.is_dead());
                 day.run(board, before.as_ref())
             }));
         }
-        others.into_iter().chain([card.content()]).for_each(|content| check(content, &done));
+        let cards = others.into_iter().chain([card.content()]);
+        kept += cards.map(|content| check(content, &done)).sum::<usize>();
     }
+    println!("{count} days: {compared} times compared after a power cut, {kept} tests on cards");
+    assert!(compared as u64 > count && kept as u64 > count, "{compared} {kept} of {count}");
 }

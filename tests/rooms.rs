@@ -136,12 +136,42 @@ fn circles_are_found() {
 fn files_are_read_at_one_sitting() {
     const MOST_LINES: usize = 350;
     let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let own = ["core/src", "firmware/src", "xtask/src", "tests", "host-sim/board-model/src"];
-    let files = own.iter().flat_map(|folder| files(&top.join(folder)));
-    for file in files.filter(|file| file.extension().is_some_and(|it| it == "rs")) {
-        let lines = fs::read_to_string(&file).unwrap().lines().count();
-        assert!(lines <= MOST_LINES, "{}: {lines} lines of {MOST_LINES}", file.display());
+    for own in [
+        "core/src",
+        "firmware/src",
+        "firmware/tests",
+        "host-sim/src",
+        "host-sim/tests",
+        "host-sim/board-model/src",
+        "tests",
+        "xtask/src",
+    ] {
+        let is_code = |file: &PathBuf| file.extension().is_some_and(|it| it == "rs");
+        let files: Vec<_> = files(&top.join(own)).into_iter().filter(is_code).collect();
+        assert!(!files.is_empty(), "{own} has no files");
+        for file in files {
+            let lines = fs::read_to_string(&file).unwrap().lines().count();
+            assert!(lines <= MOST_LINES, "{}: {lines} lines of {MOST_LINES}", file.display());
+        }
     }
+}
+
+/// A test that the manifest does not name is never built, and never fails.
+#[test]
+fn every_test_is_in_the_manifest() {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let manifest = fs::read_to_string(own.join("Cargo.toml")).unwrap();
+    let mut tests = 0;
+    for entry in fs::read_dir(own).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let main = format!("{name}/main.rs");
+        let path = if own.join(&main).is_file() { main } else { name };
+        if path.ends_with(".rs") && path != "build.rs" {
+            assert!(manifest.contains(&format!("\npath = \"{path}\"\n")), "{path} is not built");
+            tests += 1;
+        }
+    }
+    assert_eq!(manifest.matches("[[test]]").count(), tests);
 }
 
 #[test]

@@ -9,10 +9,15 @@ use serde_json::Value;
 
 fn scenes() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
-    let mut scenes = Vec::new();
-    for part in ["", "linear", "hard", "paper", "honesty", "terms"] {
-        let files = fs::read_dir(folder.join(part)).unwrap().map(|f| f.unwrap().path());
-        scenes.extend(files.filter(|f| f.extension().is_some_and(|e| e == "toml")));
+    let (mut scenes, mut folders) = (Vec::new(), vec![folder]);
+    while let Some(folder) = folders.pop() {
+        for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "toml") {
+                scenes.push(path);
+            }
+        }
     }
     scenes
 }
@@ -50,7 +55,7 @@ fn no_term_is_without_a_scene() {
 #[test]
 fn every_scene_can_be_simulated() {
     let scenes = scenes();
-    assert!(scenes.len() >= 83);
+    assert!(scenes.len() >= 95, "{} scenes", scenes.len());
     for path in scenes {
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
         let scene = Scene::from_toml(&fs::read_to_string(&path).unwrap());

@@ -69,7 +69,15 @@ fn agrees(scene: &Scene, h: f64, force_tolerance_n: f64) {
     let (events, forces) = brute_force(scene, h);
     let exact = simulate(scene, 0).unwrap();
     assert!(exact.events.len() >= 2, "the case must have events");
-    let expected = exact.events.iter().flat_map(|e| [e.onset_s, e.stop_s]);
+    let expected: Vec<f64> = exact.events.iter().flat_map(|e| [e.onset_s, e.stop_s]).collect();
+    // The end of the test may cut the last slip, of which only the onset is there.
+    assert!(
+        (0..2).contains(&(events.len() - expected.len())),
+        "{} {}",
+        events.len(),
+        expected.len()
+    );
+    assert_eq!(exact.samples.len(), forces.len());
     for ((_, brute), exact) in events.iter().zip(expected) {
         // Each event is late by up to one step in this integration, and delays all that follow.
         let tolerance = h * (events.len() as f64 + 1.0);
@@ -132,6 +140,7 @@ fn equations_16_22_25_and_31_hold() {
             ..Scene::default()
         };
         let events = simulate(&scene, 0).unwrap().events;
+        assert!(events.len() > 1, "{weight_n} N: the case must have events");
         let drop_n = (mu_s - mu) * weight_n;
         let omega = (k / (weight_n / GRAVITY)).sqrt();
         let a = drop_n.hypot(k * w / omega);

@@ -105,6 +105,7 @@ fn a_cable_about_to_go_slack_keeps_its_event_times() {
     let (below, at, above) =
         (events(touching * (1.0 - 1e-12)), events(touching), events(touching * (1.0 + 1e-12)));
     assert!(!below[0].slack && above[0].slack);
+    assert_eq!([below.len(), above.len()], [at.len(); 2]);
     for (b, (m, a)) in below.iter().zip(at.iter().zip(&above)) {
         for (x, y) in [(b.onset_s, m.onset_s), (m.onset_s, a.onset_s), (b.stop_s, a.stop_s)] {
             assert!((x - y).abs() < 1e-6, "{x} {y}");

@@ -84,7 +84,9 @@ fn agrees(name: &str, scene: &Scene, laws: &Laws) -> Simulation {
     let pairs = simulated.samples.iter().zip(&forces);
     let worst = pairs.map(|(s, f)| (s.true_force_n - f).abs()).fold(0.0, f64::max);
     println!("{name}: force {worst:.3} N, {} events", simulated.events.len());
+    assert!(!slips.is_empty(), "{name}: the case must have events");
     assert_eq!(simulated.events.len(), slips.len(), "{name}");
+    assert_eq!(simulated.samples.len(), forces.len(), "{name}");
     assert!(worst < 1.0, "{name}: {worst} N");
     for (event, slip) in simulated.events.iter().zip(&slips) {
         assert!((event.onset_s - slip.onset_s).abs() < 3e-4, "{name}");
@@ -97,6 +99,7 @@ fn agrees(name: &str, scene: &Scene, laws: &Laws) -> Simulation {
 /// Checks that the true `mu` is the friction averaged over the distance.
 fn mu_is_the_average(simulated: &Simulation, laws: &Laws, duration_s: f64, drag: bool) {
     let (_, slips) = laws.solve(duration_s);
+    assert!(!slips.is_empty() && slips.len() == simulated.events.len(), "{}", slips.len());
     for (event, slip) in simulated.events.iter().zip(&slips) {
         let mu = if drag { event.dynamic_force_n / WEIGHT_N } else { event.mu };
         assert!((mu - slip.friction_n / WEIGHT_N).abs() < 1e-3, "{mu} {}", slip.friction_n);
@@ -197,6 +200,7 @@ fn winches_follow_their_programmes() {
     let back = pulled(WinchProfile::Steps { steps, period_s: None });
     assert!(back.samples.iter().any(|s| s.phase == Phase::SlackStuck));
     let taut_s = 3.0;
+    assert!(back.samples.last().is_some_and(|s| s.time_s > taut_s + 2.0));
     for s in back.samples.iter().filter(|s| s.time_s > taut_s && s.time_s < taut_s + 2.0) {
         assert!((s.true_force_n - 360.0 * (s.time_s - taut_s)).abs() < 1e-6, "{s:?}");
     }
@@ -277,14 +281,20 @@ fn hum_of_the_mains_is_folded() {
     }
 }
 
-/// Terms that are off have no effect; coloured noise leaves the white noise unchanged.
+/// Coloured noise leaves the white noise unchanged: it adds the same with and without white noise.
 #[test]
 fn new_terms_leave_the_others_alone() {
     let white = Measurement { white_n: 2.0, ..Measurement::default() };
     let coloured = Some(Coloured { std_n: 3.0, correlation: 0.9 });
     let plain = measured(white.clone());
     let both = measured(Measurement { coloured, ..white });
+    let alone = measured(Measurement { coloured, ..Measurement::default() });
     let added: Vec<f64> = plain.iter().zip(&both).map(|(a, b)| b.force_n - a.force_n).collect();
+    assert_eq!((added.len(), plain.len()), (alone.len(), both.len()));
+    for (added, alone) in added.iter().zip(&alone) {
+        assert!((added - (alone.force_n - alone.true_force_n)).abs() < 1e-9, "{added} {alone:?}");
+    }
+    // A record holds about ten correlation times.
     let variance = added.iter().map(|x| x * x).sum::<f64>() / added.len() as f64;
     assert!((1.0..30.0).contains(&variance), "{variance}");
 }

@@ -81,6 +81,8 @@ fn agrees(name: &str, scene: &Scene, equations: &Equations) {
     let simulated = simulate(scene, 0).unwrap();
     let (forces, stops) = equations.solve(scene.duration_s, scene.start_force_n);
     assert!(simulated.events.len() >= 2, "{name}: the case must have events");
+    assert_eq!(simulated.events.len(), stops.len(), "{name}: stops");
+    assert_eq!(simulated.samples.len(), forces.len(), "{name}: samples");
     let pairs = simulated.samples.iter().zip(&forces);
     let worst = pairs.map(|(s, f)| (s.true_force_n - f).abs()).fold(0.0, f64::max);
     let times = simulated.events.iter().zip(&stops);
@@ -199,7 +201,7 @@ fn breaking_block() {
     };
     assert!(events.iter().any(|e| (e.weight_n - 630.0).abs() < 1e-9));
     let light: Vec<_> = events.iter().filter(|e| (e.weight_n - 420.0).abs() < 1e-9).collect();
-    assert!(!light.is_empty());
+    assert!(light.len() > 1, "{}", light.len());
     // The first event may slip from a force above its own limit.
     for event in light.iter().skip(1) {
         assert!((event.static_force_n - 1.24 * 420.0).abs() < 1e-9);
@@ -226,11 +228,14 @@ fn coefficients_vary_by_what_is_asked() {
 #[test]
 fn slack_bounds_hold_in_every_state() {
     let scene = Scene { mu_s: 1.0, mu: 0.4, ..base() };
+    let mut without_force = 0;
     for sample in simulate(&scene, 0).unwrap().samples {
         assert!(sample.true_force_n >= -1e-9);
         let slack = matches!(sample.phase, Phase::SlackSliding | Phase::SlackStuck);
         assert!(!slack || sample.true_force_n.abs() < 1e-9);
+        without_force += u32::from(slack);
     }
+    assert!(without_force > 4, "{without_force}");
 }
 
 fn measured(measurement: Measurement) -> Vec<floe::sim::Sample> {
@@ -300,6 +305,8 @@ fn clock_error_stretches_the_record() {
     let exact = simulate(&Scene::default(), 0).unwrap().events;
     let measurement = Measurement { clock_ppm: 10_000.0, ..Measurement::default() };
     let slow = simulate(&Scene { measurement, ..Scene::default() }, 0).unwrap().events;
+    // The record of the slow clock ends later.
+    assert!(!exact.is_empty() && slow.len() >= exact.len(), "{} {}", exact.len(), slow.len());
     for (e, s) in exact.iter().zip(&slow) {
         assert!((e.onset_s / 1.01 - s.onset_s).abs() < 1e-9);
     }

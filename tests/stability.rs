@@ -10,6 +10,7 @@ use floe_core::{Calibration, Coefficient, Config, Event};
 use floe_tests::both::{self, Both, Differences, periods};
 use floe_tests::normal::Normal;
 use floe_tests::scenes;
+use floe_tests::score::rms;
 
 /// Largest root-mean-square difference, in stated standard deviations of an event.
 const LIMIT: f64 = 0.02;
@@ -23,11 +24,8 @@ fn names() -> Vec<String> {
         names.extend(files.map(|f| format!("{part}/{}", f.file_stem().unwrap().display())));
     }
     names.sort();
+    assert!(names.len() > 25, "{names:?}");
     names
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 /// Quantile of the absolute values.

@@ -3,18 +3,11 @@
 
 use floe::chip::{LoadCell, Schedule, Trouble};
 use floe_firmware::line::Line;
-use floe_firmware::settings::Settings;
 use floe_tests::day::{NOISE, SPAN, codes, swinging};
 use floe_tests::scripted::{Card, Session, run};
 
 fn cell(forces_n: impl IntoIterator<Item = f64>, span: f64) -> LoadCell {
     LoadCell::from_codes(&codes(forces_n, span), 16.0).with_noise(NOISE.0, NOISE.1)
-}
-
-fn last_settings(board: &Session) -> Settings {
-    let settings =
-        |line| if let Line::Start { settings, .. } = line { Some(settings) } else { None };
-    board.lines().filter_map(settings).last().expect("settings")
 }
 
 fn says(forces_n: Vec<f64>, span: f64, script: &[(u64, &str)]) -> Session {
@@ -25,14 +18,14 @@ fn says(forces_n: Vec<f64>, span: f64, script: &[(u64, &str)]) -> Session {
 fn a_swinging_tare_is_not_taken() {
     let board = says(swinging(30.0), SPAN, &[(1, "tare\n"), (300, "accept\n"), (301, "status\n")]);
     assert!(board.says("it swings: nothing may hang there"), "{}", board.screen);
-    assert_eq!(last_settings(&board).config.calibration.tare_counts, 0);
+    assert_eq!(board.last_settings().config.calibration.tare_counts, 0);
 }
 
 #[test]
 fn a_tare_with_the_block_on_asks() {
     let board = says(vec![630.0; 400], SPAN, &[(1, "tare\n"), (200, "abort\n"), (201, "status\n")]);
     assert!(board.says("DOES ANYTHING HANG THERE?: accept, or abort"), "{}", board.screen);
-    assert_eq!(last_settings(&board).config.calibration.tare_counts, 0);
+    assert_eq!(board.last_settings().config.calibration.tare_counts, 0);
 }
 
 const CALIBRATE: [(u64, &str); 6] = [
@@ -48,7 +41,7 @@ const CALIBRATE: [(u64, &str); 6] = [
 fn a_swinging_calibration_takes_the_excess_off() {
     let board = says(swinging(40.0), SPAN, &CALIBRATE);
     assert!(board.says("swing 4.") || board.says("swing 5."), "{}", board.screen);
-    let span = f64::from(last_settings(&board).config.calibration.counts_per_n);
+    let span = f64::from(board.last_settings().config.calibration.counts_per_n);
     // A weighing is accurate to a fiftieth of a percent; the excess is a fifth of one.
     assert!((span / SPAN - 1.0).abs() < 6e-4, "{span}");
 }
@@ -103,7 +96,7 @@ fn two_weights_make_one_span() {
         (361, "status\n"),
     ];
     let good = says(steps(1000.0), SPAN, &script);
-    let span = f64::from(last_settings(&good).config.calibration.counts_per_n);
+    let span = f64::from(good.last_settings().config.calibration.counts_per_n);
     assert!((span / SPAN - 1.0).abs() < 1e-4, "{span}: {}", good.screen);
     let bad = says(steps(1050.0), SPAN, &script);
     assert!(bad.says("THE WEIGHTS DISAGREE"), "{}", bad.screen);
@@ -122,7 +115,7 @@ fn another_cell_asks() {
     ];
     let board = says(vec![630.0; 400], SPAN, &script);
     assert!(board.says("NOT THE SAME CELL as before?"), "{}", board.screen);
-    let span = f64::from(last_settings(&board).config.calibration.counts_per_n);
+    let span = f64::from(board.last_settings().config.calibration.counts_per_n);
     assert!((span / SPAN - 1.0).abs() < 1e-4, "abort left {span}");
 }
 

@@ -22,6 +22,7 @@ fn check(name: &str, scene: &Scene, zero_n: impl Fn(f64) -> f64, (least, most): 
     let mut score = Score::default();
     (1..=SEEDS).for_each(|seed| score.add(&run_with(scene, seed, &zero_n)));
     assert!(score.detection.f1() > 0.999, "{name}: {:?}", score.detection);
+    assert!(score.share_read() > 0.95, "{name}: {} read", score.share_read());
     for errors in &score.errors {
         println!("{name}: 95 % of errors {:.2} %, coverage {:.3}", errors.p95(), errors.coverage());
         assert!((least..=most).contains(&errors.coverage()), "{name}: {}", errors.coverage());

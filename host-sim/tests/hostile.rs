@@ -333,6 +333,7 @@ fn a_flood_is_counted_and_costs_no_memory() {
     }
     let late = high_water(child.id());
     println!("64 MiB of noise: {early} kB at most after 8 MiB, {late} kB after all");
+    assert!(early > 0 || !cfg!(target_os = "linux"), "the memory in use is not known");
     assert!(late < early + 4096, "{early} kB became {late} kB");
     child.kill().unwrap();
     let mut said = String::new();

@@ -132,7 +132,7 @@ fn error_over_bound(truth: &Value, result: &Value, name: &str) -> f64 {
     let (truth, found) =
         (truth["events"].as_array().unwrap(), result["events"].as_array().unwrap());
     assert_eq!(truth.len(), found.len());
-    let (mut errors, mut bounds) = (0.0, 0.0);
+    let (mut errors, mut bounds, mut judged) = (0.0, 0.0, 0);
     for (t, f) in truth.iter().zip(found) {
         let of = |event: &Value, key: &str| event[key].as_f64();
         if let (Some(x), Some(y), Some(bound)) =
@@ -140,8 +140,10 @@ fn error_over_bound(truth: &Value, result: &Value, name: &str) -> f64 {
         {
             errors += (x - y).powi(2);
             bounds += bound * bound;
+            judged += 1;
         }
     }
+    assert!(judged > 100 && judged * 20 > truth.len() * 19, "{judged} of {}", truth.len());
     (errors / bounds).sqrt()
 }
 

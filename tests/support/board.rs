@@ -7,6 +7,7 @@ use floe_firmware::app::{App, View};
 use floe_firmware::line::Line;
 use floe_firmware::sample::{SampleQueue, Shared};
 use floe_firmware::sampler::{Sampler, Tick};
+use floe_firmware::settings::Settings;
 use floe_firmware::store::Store;
 
 use crate::terminal::Terminal;
@@ -75,6 +76,17 @@ pub fn with_board<S: Store, T>(
     let mut app = App::new(consumer, &shared, &mut pipeline, port, store, 1_000_000);
     app.power_up(None);
     use_it(&mut Board { sampler, app, terminal, ticks: 0 })
+}
+
+/// The last settings in a text.
+///
+/// # Panics
+/// There are none.
+#[must_use]
+pub fn last_settings(said: &str) -> Settings {
+    let settings =
+        |line| if let Line::Start { settings, .. } = line { Some(settings) } else { None };
+    lines(said).filter_map(settings).last().expect("settings")
 }
 
 /// All lines in a text.

@@ -3,6 +3,50 @@
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::time::{Duration, Instant};
 
+/// Words that parsers tend to stumble on.
+pub const WORDS: &[&[u8]] = &[
+    b"1e308",
+    b"-1e308",
+    b"1e-320",
+    b"NaN",
+    b"inf",
+    b"-6999",
+    b"-99999",
+    b"\"",
+    b"\"\"",
+    b",",
+    b",,",
+    b"\n",
+    b"\r",
+    b"\r\n",
+    b"\0",
+    b"#",
+    b"# weight_n: 1e300\n",
+    b"# rate_hz: 2000\n",
+    b"\xFF\xFE",
+    b"\xEF\xBB\xBF",
+    b"2000-02-30 25:61:61",
+    b"\"1994-04-09 23:59:59.9375\"",
+    b"366",
+    b"2400",
+    b"-",
+    b".",
+    b"e",
+    b"99999999999999999999999999999999",
+    b"0.0000000000000000000000000000001",
+    b"\x1b[2J",
+    b" ",
+    b"\t",
+    b";",
+    b"[[",
+    b"]",
+    b"= ",
+    b"true",
+    b"1979-05-27T07:32:00Z",
+    b"'''",
+    b"*FFFF",
+];
+
 /// A small generator with equal numbers on every machine (splitmix64).
 #[derive(Clone, Debug)]
 pub struct Dice(u64);
@@ -70,8 +114,8 @@ const LONGEST: Duration = Duration::from_secs(20);
 /// # Panics
 /// A case panicked or took too long; its number is printed.
 pub fn run(name: &str, mut case: impl FnMut(&mut Dice)) {
-    let seconds = std::env::var("FLOE_FUZZ_S").ok().and_then(|s| s.parse().ok()).unwrap_or(2.0);
-    let first = std::env::var("FLOE_FUZZ_CASE").ok().and_then(|s| s.parse().ok());
+    let seconds = crate::number("FLOE_FUZZ_S", 2.0);
+    let first = std::env::var("FLOE_FUZZ_CASE").ok().map(|s| s.parse().expect("a case's number"));
     let limit = Duration::from_secs_f64(if first.is_some() { 0.0 } else { seconds });
     let (start, mut number) = (Instant::now(), first.unwrap_or(0_u64));
     loop {

@@ -11,8 +11,10 @@ use floe_firmware::line::Line;
 use floe_firmware::record::{Record, SECTOR_LEN, Sector};
 use floe_firmware::sample::{SampleQueue, Shared};
 use floe_firmware::sampler::{Sampler, Tick};
+use floe_firmware::settings::Settings;
 use floe_firmware::store::{Store, StoreError};
 
+use crate::board;
 use crate::terminal::Terminal;
 
 /// A card that is kept when the board is dropped, and can refuse to write.
@@ -94,7 +96,16 @@ pub struct Session {
 impl Session {
     /// All lines of the output.
     pub fn lines(&self) -> impl Iterator<Item = Line<'_>> {
-        self.screen.lines().map(|text| Line::parse(text).expect(text))
+        board::lines(&self.screen)
+    }
+
+    /// The last settings of the output.
+    ///
+    /// # Panics
+    /// There are none.
+    #[must_use]
+    pub fn last_settings(&self) -> Settings {
+        board::last_settings(&self.screen)
     }
 
     /// All events of the output.

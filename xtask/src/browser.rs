@@ -133,7 +133,11 @@ fn framed(page: &Path, width: u32) -> Result<Command> {
 /// Checks that the unchanged page, with its content security policy, prints no error.
 fn console_is_silent(page: &Path, width: u32) -> Result<()> {
     let shown = framed(page, width)?.arg("--enable-logging=stderr").output();
-    let said = String::from_utf8_lossy(&shown.map_err(|e| e.to_string())?.stderr).into_owned();
+    let shown = shown.map_err(|e| e.to_string())?;
+    let said = String::from_utf8_lossy(&shown.stderr).into_owned();
+    if !shown.status.success() {
+        return Err(format!("{}, {width} px: chromium failed: {said}", page.display()));
+    }
     match said.lines().find(|line| line.contains("CONSOLE")) {
         Some(line) => Err(format!("{}, {width} px: {line}", page.display())),
         None => Ok(()),

@@ -217,6 +217,9 @@ fn print(counted: &[Counted]) {
 /// Costs above an absolute limit.
 fn beyond(limits: &Limits, counted: &[Counted]) -> Vec<String> {
     let mut over = Vec::new();
+    if counted.iter().all(|it| it.name != REFERENCE) {
+        over.push(format!("{REFERENCE}: is no record, and its limits hold for nothing"));
+    }
     let mut check = |what: String, value: u64, limit: u64| {
         if value > limit {
             over.push(format!("{what}: {value}, the limit is {limit}"));
@@ -233,11 +236,14 @@ fn beyond(limits: &Limits, counted: &[Counted]) -> Vec<String> {
     over
 }
 
-/// Costs that have risen.
+/// Costs that have risen, records without a budget, and budgets without a record.
 fn risen(before: &BTreeMap<String, Cost>, counted: &[Counted]) -> Vec<String> {
     let mut over = Vec::new();
     for Counted { name, cost, .. } in counted {
-        let Some(was) = before.get(name) else { continue };
+        let Some(was) = before.get(name) else {
+            over.push(format!("{name}: has no budget, which --write gives it"));
+            continue;
+        };
         let figures = [
             ("quiet", was.quiet, cost.quiet),
             ("mean", was.mean, cost.mean),
@@ -249,6 +255,9 @@ fn risen(before: &BTreeMap<String, Cost>, counted: &[Counted]) -> Vec<String> {
             }
         }
     }
+    let is_counted = |name: &String| counted.iter().any(|it| it.name == *name);
+    let stale = before.keys().filter(|name| !is_counted(name));
+    over.extend(stale.map(|name| format!("{name}: has a budget and is no record")));
     over
 }
 
@@ -261,4 +270,30 @@ fn compiler(route: Route) -> String {
 
 fn rustc() -> std::ffi::OsString {
     std::env::var_os("RUSTC").unwrap_or("rustc".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counted(name: &str, mean: u64) -> Counted {
+        let cost = Cost { quiet: 1, mean, worst: 1 };
+        Counted { name: name.into(), samples: 1, events: 1, cost, worst_at: 0, state_bytes: 1 }
+    }
+
+    #[test]
+    fn what_rose_or_is_not_compared_is_said() {
+        let before = |names: &[&str]| -> BTreeMap<String, Cost> {
+            names.iter().map(|name| ((*name).into(), counted(name, 100).cost)).collect()
+        };
+        let over = |names: &[&str], mean| risen(&before(names), &[counted("a", mean)]);
+        assert_eq!(over(&["a"], 102), Vec::<String>::new());
+        assert_eq!(over(&["a"], 103), ["a: mean rose from 100 to 103"]);
+        assert_eq!(over(&[], 100), ["a: has no budget, which --write gives it"]);
+        assert_eq!(over(&["a", "b"], 100), ["b: has a budget and is no record"]);
+        let limits = Limits { quiet: 9, mean_reference: 9, worst: 9, state_bytes: 9 };
+        assert_eq!(beyond(&limits, &[counted(REFERENCE, 9)]), Vec::<String>::new());
+        assert_eq!(beyond(&limits, &[counted(REFERENCE, 10)]).len(), 1);
+        assert_eq!(beyond(&limits, &[counted("a", 1)]).len(), 1);
+    }
 }

@@ -46,7 +46,10 @@ pub fn check_card(route: Route) -> Result<()> {
 
 /// Samples after which the power fails.
 fn cuts() -> Vec<u64> {
-    let wanted = std::env::var("FLOE_POWER_CUTS").ok().and_then(|n| n.parse().ok());
+    let wanted = match floe_tests::number("FLOE_POWER_CUTS", 0.0) as u64 {
+        0 => None,
+        wanted => Some(wanted),
+    };
     let samples = Record::stick_slip().codes.len() as u64;
     // Multiples of the golden ratio: spread over the test, and different for a long time.
     let anywhere = |n: u64| n.wrapping_mul(0x9E37_79B9_7F4A_7C15) % samples;
