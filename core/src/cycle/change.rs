@@ -2,6 +2,7 @@
 
 use crate::coefficient::Coefficient;
 use crate::cycle::expectations::{Expectations, is_clear};
+use crate::cycle::refusal::{FAST, is_no_chance};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished};
 use crate::effect::{Effect, Kept};
@@ -11,11 +12,15 @@ use crate::event::{Event, Reason};
 use crate::fit::posterior::Posterior;
 use crate::fit::rounding_n2;
 use crate::model::CycleParams;
+use crate::num::math;
 use crate::stats::fading_trend::FadingTrend;
 
 /// Number of consecutive misfits after which all expectations are dropped, the same as for a single
 /// quantity (`stats/fading_trend.rs`).
-pub(super) const CHANGED: u8 = 3;
+const CHANGED: u8 = 3;
+/// Ratio of a swing to that by winch and weight, above which the winch may have stood while the
+/// cable hung slack: other troubles lower omega by up to an eighth.
+const SLOWER: f32 = 1.15;
 
 impl Expectations {
     /// Are the event's residuals an outlier among those of the other events? The winch paused or
@@ -29,6 +34,23 @@ impl Expectations {
         }
         self.contradict();
         true
+    }
+
+    /// Did the winch stand while the cable hung slack? The fit takes the longer time without force
+    /// for that of a slower block: its swing, with this variance, is far above that by winch and
+    /// weight. Asked until the swing is known, for then [`Slackness`] knows the usual time. A cell
+    /// that lags has the same effect, but on every event: the third in a row is believed. Slips
+    /// that look slow and follow each other fast, the next at the time `next`, may be aliases.
+    ///
+    /// [`Slackness`]: crate::cycle::refusal::Slackness
+    pub(crate) fn stood_slack(&mut self, cycle: &CycleParams, variance: f32, next: f32) -> bool {
+        if self.knows_omega() || cycle.is_taut() || next - cycle.onset < FAST {
+            return false;
+        }
+        let by_winch = math::sqrt(self.mass.weight_ratio() * self.momentum / cycle.rate);
+        let stood = is_no_chance((cycle.inverse_omega() - SLOWER * by_winch, variance));
+        self.stood = if stood { self.stood.saturating_add(1) } else { 0 };
+        stood && self.stood < CHANGED
     }
 
     /// Counts an event that contradicts the expectations. After [`CHANGED`] of them in a row the

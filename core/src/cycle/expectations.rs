@@ -1,9 +1,7 @@
 //! Estimates from the events of a test so far, as expectations (priors) for the next one.
 
 use crate::coefficient::Site;
-use crate::cycle::change::CHANGED;
 use crate::cycle::expected::Expected;
-use crate::cycle::refusal::{FAST, is_no_chance};
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::{Effect, Effects, Kept};
 use crate::effects::corner::CornerEstimator;
@@ -16,7 +14,6 @@ use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::Residuals;
 use crate::fit::slip_scatter::SlipScatter;
 use crate::fit::{Data, Fit, rounding_n2};
-use crate::model::CycleParams;
 use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::line::Line;
@@ -41,12 +38,12 @@ pub(crate) struct Expectations {
     /// Number of consecutive misfits.
     pub(super) misfits: u8,
     /// Number of consecutive first events whose winch may have stood while the cable hung slack.
-    stood: u8,
+    pub(super) stood: u8,
     /// The residuals include samples with flop weights.
     weighted: bool,
     /// Speed of the winch times the mass of the given weight, N periods; NaN where the speed is
     /// unknown.
-    momentum: f32,
+    pub(super) momentum: f32,
 }
 
 /// Least part of a fitted precision that has to be the event's own for the value to be used: a
@@ -58,9 +55,6 @@ const LEAST_JUDGED: f32 = 0.003;
 const LASTS: f32 = 3.0;
 /// Standard deviation of a rough loading rate, relative: it is known to within a factor of two.
 const ROUGH: f32 = 0.7;
-/// Ratio of a swing to that by winch and weight, above which the winch may have stood while the
-/// cable hung slack: other troubles lower omega by up to an eighth.
-const SLOWER: f32 = 1.15;
 /// Fewest samples of both lines that determine the first event's rate change.
 const LINE: u32 = 8;
 
@@ -179,23 +173,6 @@ impl Expectations {
         };
         let beside = BESIDE * BESIDE;
         (beside * own2, (0.25 * beside + within * within) * own2)
-    }
-
-    /// Did the winch stand while the cable hung slack? The fit takes the longer time without force
-    /// for that of a slower block: its swing, with this variance, is far above that by winch and
-    /// weight. Asked until the swing is known, for then [`Slackness`] knows the usual time. A cell
-    /// that lags has the same effect, but on every event: the third in a row is believed. Slips
-    /// that look slow and follow each other fast, the next at the time `next`, may be aliases.
-    ///
-    /// [`Slackness`]: crate::cycle::refusal::Slackness
-    pub(crate) fn stood_slack(&mut self, cycle: &CycleParams, variance: f32, next: f32) -> bool {
-        if self.knows_omega() || cycle.is_taut() || next - cycle.onset < FAST {
-            return false;
-        }
-        let by_winch = math::sqrt(self.mass.weight_ratio() * self.momentum / cycle.rate);
-        let stood = is_no_chance((cycle.inverse_omega() - SLOWER * by_winch, variance));
-        self.stood = if stood { self.stood.saturating_add(1) } else { 0 };
-        stood && self.stood < CHANGED
     }
 
     /// Is the swing known from earlier events?
