@@ -197,7 +197,12 @@ fn a_card_that_is_put_in_later_gets_what_was_set_before() {
         (0..LATEST).for_each(|_| board.tick());
         assert_eq!(board.view().card, CardState::Ready);
     });
-    let kept = settings_at_power_up(&card);
+    has_what_was_set(&card);
+}
+
+/// The card has the weight and the span that were set, and nothing else.
+fn has_what_was_set(card: &SimCard) {
+    let kept = settings_at_power_up(card);
     let weight_from = kept.weight_from;
     assert_eq!(kept, Settings { weight_from, ..settings(630.0, "") });
 }
@@ -211,9 +216,7 @@ fn an_exchanged_card_gets_the_settings() {
         (0..3 * LATEST).for_each(|_| board.tick());
         assert_eq!(board.view().card, CardState::Ready);
     });
-    let kept = settings_at_power_up(&card);
-    let weight_from = kept.weight_from;
-    assert_eq!(kept, Settings { weight_from, ..settings(630.0, "") });
+    has_what_was_set(&card);
 }
 
 /// The contacts bounce once, at any access to a card that is put in.

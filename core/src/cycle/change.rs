@@ -12,7 +12,6 @@ use crate::event::{Event, Reason};
 use crate::fit::posterior::Posterior;
 use crate::fit::rounding_n2;
 use crate::model::CycleParams;
-use crate::num::math;
 use crate::stats::fading_trend::FadingTrend;
 
 /// Number of consecutive misfits after which all expectations are dropped, the same as for a single
@@ -47,8 +46,8 @@ impl Expectations {
         if self.knows_omega() || cycle.is_taut() || next - cycle.onset < FAST {
             return false;
         }
-        let by_winch = math::sqrt(self.mass.weight_ratio() * self.momentum / cycle.rate);
-        let stood = is_no_chance((cycle.inverse_omega() - SLOWER * by_winch, variance));
+        let usual = SLOWER * self.swing_by_winch(cycle.rate);
+        let stood = is_no_chance((cycle.inverse_omega() - usual, variance));
         self.stood = if stood { self.stood.saturating_add(1) } else { 0 };
         stood && self.stood < CHANGED
     }

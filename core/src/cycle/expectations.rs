@@ -43,7 +43,7 @@ pub(crate) struct Expectations {
     weighted: bool,
     /// Speed of the winch times the mass of the given weight, N periods; NaN where the speed is
     /// unknown.
-    pub(super) momentum: f32,
+    momentum: f32,
 }
 
 /// Least part of a fitted precision that has to be the event's own for the value to be used: a
@@ -108,9 +108,7 @@ impl Expectations {
         } else {
             Prior::default()
         };
-        // `1/ω² = M / k`, where the winch loads the cable by `k w`.
-        let by_winch = math::sqrt(self.mass.weight_ratio() * self.momentum / rate.mean);
-        let (guess, spread) = rough.swing(by_winch);
+        let (guess, spread) = rough.swing(self.swing_by_winch(rate.mean));
         let inverse_omega = expected(known_swing, guess, spread, noise_n2);
         Expected {
             noise_n2,
@@ -173,6 +171,12 @@ impl Expectations {
         };
         let beside = BESIDE * BESIDE;
         (beside * own2, (0.25 * beside + within * within) * own2)
+    }
+
+    /// The swing that weight and winch give at a loading rate, N per period, periods: `1/ω² = M / k`,
+    /// where the winch loads the cable by `k w`. NaN where its speed is unknown.
+    pub(super) fn swing_by_winch(&self, rate: f32) -> f32 {
+        math::sqrt(self.mass.weight_ratio() * self.momentum / rate)
     }
 
     /// Is the swing known from earlier events?

@@ -72,9 +72,7 @@ impl WinchProfile {
             Self::Steps { steps, period_s } => validate_steps(steps, *period_s),
         }
     }
-}
 
-impl WinchProfile {
     /// Number of steps that the computation takes for the winch alone, about.
     pub(super) fn work(&self, duration_s: f64) -> f64 {
         match self {
