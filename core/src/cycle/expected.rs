@@ -45,7 +45,7 @@ impl Expected {
     pub(crate) fn asked<'a>(&self, slip: &'a SlipRecord, after: &'a Line) -> Data<'a> {
         let mut data = self.data(slip, after);
         if slip.wander.creeps {
-            data.wander = ColoredNoise::NONE;
+            data.wander = ColoredNoise::NONE.into();
         }
         data
     }

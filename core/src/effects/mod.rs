@@ -63,7 +63,7 @@ mod synthetic {
                 before: &before,
                 samples: Samples::new(-8.0, &forces_n),
                 after: &after,
-                wander: ColoredNoise::NONE,
+                wander: ColoredNoise::NONE.into(),
                 rate: free,
                 inverse_omega: free,
                 rate_change: Prior { mean: 0.0, weight: 1e3 },

@@ -1,11 +1,10 @@
 //! The data of one event's fit: lines, samples, priors.
 
-use crate::effect::{Effect, Effects};
 use crate::fit::slip_scatter::{OwnSwing, SlipResiduals, steepness};
 use crate::fit::{Fit, SWING, Variances};
 use crate::model::corner::{Corner, Rounded};
 use crate::model::{CycleParams, Shape};
-use crate::noise::ripple::ColoredNoise;
+use crate::noise::ripple::Wander;
 use crate::num::math::larger;
 use crate::stats::line::Line;
 use crate::stats::normal_equations::{Gradient, Normal, UNKNOWNS, dot, scaled};
@@ -75,7 +74,7 @@ pub(crate) struct Data<'a> {
     /// Stick line after the last sample.
     pub after: &'a Line,
     /// Correlated noise about both lines.
-    pub wander: ColoredNoise,
+    pub wander: Wander,
     /// Prior of the loading rate, N per period.
     pub rate: Prior,
     /// Prior of the swing `1/ω`, periods.
@@ -108,7 +107,7 @@ impl Data<'_> {
     /// The model force of a shape, with the rounding of its corners, if any.
     #[inline(never)]
     pub(crate) fn model<'a>(&self, shape: &'a Shape) -> Model<'a> {
-        let is_round = Effects::COMPILED.has(Effect::Corner) && !self.corner.is_sharp();
+        let is_round = !self.corner.is_sharp();
         Model { shape, rounded: is_round.then(|| self.corner.at(shape)) }
     }
 
@@ -302,7 +301,7 @@ impl Model<'_> {
 }
 
 /// Adds the level of a line as one observation, its variance increased by the wander.
-fn add_level(normal: &mut Normal, line: &Line, wander: &ColoredNoise, level: &(f32, Gradient)) {
+fn add_level(normal: &mut Normal, line: &Line, wander: &Wander, level: &(f32, Gradient)) {
     if line.weight > 0.0 {
         // The unknown rate is the one next to the slip: from there to the middle of the line the
         // force wanders.
@@ -312,6 +311,6 @@ fn add_level(normal: &mut Normal, line: &Line, wander: &ColoredNoise, level: &(f
 }
 
 /// Slope of a line, and its weight.
-fn slope(line: &Line, wander: &ColoredNoise) -> Option<(f32, f32)> {
+fn slope(line: &Line, wander: &Wander) -> Option<(f32, f32)> {
     Some((line.slope()?, loosened(line.slope_weight(), wander.slope)))
 }

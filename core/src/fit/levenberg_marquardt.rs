@@ -253,7 +253,7 @@ mod tests {
             before: &line,
             samples: Samples::new(0.0, &forces_n),
             after: &line,
-            wander: ColoredNoise::NONE,
+            wander: ColoredNoise::NONE.into(),
             rate: free,
             inverse_omega: free,
             rate_change: Prior { mean: 0.0, weight: 1e6 },

@@ -268,7 +268,7 @@ mod tests {
             before: &line,
             samples: Samples::new(-6.0, &forces_n),
             after: &line,
-            wander: ColoredNoise::NONE,
+            wander: ColoredNoise::NONE.into(),
             rate: Prior { mean: 20.0, weight: 0.1 },
             inverse_omega: Prior { mean: 0.8 / omega, weight: 4.0 * omega * omega / 0.25 },
             rate_change: Prior { mean: 0.0, weight: 1e6 },

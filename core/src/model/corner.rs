@@ -10,6 +10,7 @@
 //! `(1 − f) r`. *Aperture*: the converter averages over a time `τ`. It shows `F + κ F''`,
 //! `κ = τ²/24`: lines are unchanged, and the ellipse shrinks by `κ ω²`.
 
+use crate::effect::{Effect, Effects};
 use crate::model::Shape;
 use crate::num::math::{self, larger, smaller};
 
@@ -44,7 +45,8 @@ impl Corner {
     /// Are the corners sharp?
     #[must_use]
     pub(crate) fn is_sharp(&self) -> bool {
-        self.smoothing <= 0.0 && self.missing_n <= 0.0
+        let may_be_round = Effects::COMPILED.has(Effect::Corner);
+        !may_be_round || self.smoothing <= 0.0 && self.missing_n <= 0.0
     }
 
     /// The corners of a cycle, with the terms that all times share.

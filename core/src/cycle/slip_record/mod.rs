@@ -13,7 +13,7 @@ use crate::event::Reason;
 use crate::fit::Samples;
 use crate::model::elongation::Elongation;
 use crate::model::{CycleParams, Shape};
-use crate::noise::ripple::ColoredNoise;
+use crate::noise::ripple::Wander;
 use crate::noise::sinusoid::Sinusoid;
 use crate::num::math::{self, larger};
 use crate::sample::{ForcePoint, SampleTime, since};
@@ -78,7 +78,7 @@ pub(crate) struct SlipRecord {
     /// Rough variance of the noise, from the detector, N².
     pub(crate) noise_n2: f32,
     /// Correlated noise about the stick lines.
-    pub(crate) wander: ColoredNoise,
+    pub(crate) wander: Wander,
     /// The oscillation about the line before the slip.
     pub(crate) oscillation: Sinusoid,
     /// Weight of the samples after the stop, and the time, periods, from which it applies.
@@ -126,7 +126,7 @@ impl SlipRecord {
             low,
             rough,
             noise_n2: noise_n * noise_n,
-            wander: detector.wander(),
+            wander: detector.wander().into(),
             oscillation: Sinusoid::default(),
             rest_weight,
             rest_from: low.time,
@@ -259,7 +259,7 @@ impl SlipRecord {
         self.late = self.line_of(window, stick.next - half..stick.next);
         if self.elongation.sags() {
             self.before = self.line_of(window, stick.origin..stick.next);
-            self.wander.slope = 0.0;
+            self.wander.update(|wander| wander.slope = 0.0);
         }
     }
 

@@ -26,7 +26,7 @@ impl SlipRecord {
 
     /// Estimates the oscillation about the line before the slip, of `angle` rad a period.
     pub(crate) fn take_oscillation(&mut self, window: &Window, stick: &Stick, angle: f32) {
-        self.wander.angle = angle;
+        self.wander.update(|wander| wander.angle = angle);
         let from = stick.next.saturating_sub(sinusoid::MOST).max(stick.origin);
         self.oscillation = self.oscillation_about(&self.before, window, from..stick.next);
     }
@@ -38,7 +38,7 @@ impl SlipRecord {
         window: &Window,
         range: Range<u32>,
     ) -> Sinusoid {
-        let ColoredNoise { angle, unsure, .. } = self.wander;
+        let ColoredNoise { angle, unsure, .. } = *self.wander;
         let (from, length) = (range.start, range.end.saturating_sub(range.start));
         let start = since(self.origin, from);
         let samples = AboutLine { line, window, from, length, start };

@@ -76,7 +76,7 @@ mod tests {
             low: point,
             rough: Rough::default(),
             noise_n2: 4.0,
-            wander: ColoredNoise::NONE,
+            wander: ColoredNoise::NONE.into(),
             oscillation: Sinusoid::default(),
             rest_weight: 0.5,
             rest_from: shape.stop(),

@@ -8,7 +8,7 @@
 
 mod sums;
 
-use crate::effect::Parameter;
+use crate::effect::{Absent, Effect, Kept, Parameter};
 use crate::num::math::{larger, smaller};
 use sums::Sums;
 
@@ -32,6 +32,13 @@ pub(crate) struct ColoredNoise {
     pub bends: bool,
     /// All rests are bent down in their last samples: the block may creep before it slips.
     pub creeps: bool,
+}
+
+/// Colored noise, where its effect is compiled in.
+pub(crate) type Wander = Kept<ColoredNoise, { Effect::Ripple.room() }>;
+
+impl Absent for ColoredNoise {
+    const ABSENT: &'static Self = &Self::NONE;
 }
 
 impl ColoredNoise {
