@@ -39,11 +39,14 @@ pub enum Effect {
     /// Slips whose force departs from the ellipse along the way: they widen the intervals and shift
     /// no value.
     Onset,
+    /// The samples of a slip scatter more than those of its lines: jitter, a rocking block, a
+    /// cogging winch, friction that varies along the way. It widens the intervals.
+    Scatter,
 }
 
 impl Effect {
     /// All of them, in the order of their bits.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Corner,
         Self::Sag,
         Self::Stiffening,
@@ -54,6 +57,7 @@ impl Effect {
         Self::Ripple,
         Self::Damping,
         Self::Onset,
+        Self::Scatter,
     ];
 
     /// Its name in `--effects`, JSON and `docs/effects.md`.
@@ -70,6 +74,7 @@ impl Effect {
             Self::Ripple => "ripple",
             Self::Damping => "damping",
             Self::Onset => "onset",
+            Self::Scatter => "scatter",
         }
     }
 
@@ -165,7 +170,8 @@ impl Effects {
         .with(Effect::Flop, cfg!(feature = "flop"))
         .with(Effect::Ripple, cfg!(feature = "ripple"))
         .with(Effect::Damping, cfg!(feature = "damping"))
-        .with(Effect::Onset, cfg!(feature = "onset"));
+        .with(Effect::Onset, cfg!(feature = "onset"))
+        .with(Effect::Scatter, cfg!(feature = "scatter"));
 
     /// Every effect there is.
     const ALL: Self = {
@@ -275,8 +281,8 @@ mod tests {
             assert_eq!(alone.iter().next(), compiled.then_some(effect));
             assert_eq!(alone.iter().count(), usize::from(compiled));
         }
-        // The bits of logs that were written before: all but 8 of the first eleven.
-        assert_eq!(Effects::from_mask(u32::MAX).mask(), 0b110_1111_1111);
+        // The bits of logs that were written before: all but 8 of the first twelve.
+        assert_eq!(Effects::from_mask(u32::MAX).mask(), 0b1110_1111_1111);
         assert_eq!(Effects::NONE.with(Effect::Damping, true).mask(), 1 << 9);
         assert_eq!(Effect::named("gravity"), None);
     }

@@ -10,9 +10,9 @@ use crate::effects::mass_change::{Evidence, Mass, Verdict};
 use crate::effects::onset::Onset;
 use crate::effects::oscillation::Oscillation;
 use crate::effects::sag::Sag;
+use crate::effects::scatter::SlipScatter;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::Residuals;
-use crate::fit::slip_scatter::SlipScatter;
 use crate::fit::{Data, Fit, rounding_n2};
 use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
@@ -31,7 +31,7 @@ pub(crate) struct Expectations {
     pub(crate) corner: Kept<CornerEstimator, { Effect::Corner.room() }>,
     pub(crate) sag: Kept<Sag, { Effect::Sag.room() }>,
     pub(crate) residuals: Residuals,
-    pub(crate) slip_scatter: SlipScatter,
+    pub(crate) scatter: Kept<SlipScatter, { Effect::Scatter.room() }>,
     pub(crate) damping: Kept<Damping, { Effect::Damping.room() }>,
     pub(crate) onset: Kept<Onset, { Effect::Onset.room() }>,
     pub(crate) oscillation: Kept<Oscillation, { Effect::Ripple.room() }>,

@@ -8,6 +8,7 @@ use crate::effects::damping::Damping;
 use crate::effects::onset::Onset;
 use crate::effects::oscillation::Oscillation;
 use crate::effects::sag::Sag;
+use crate::effects::scatter::SlipScatter;
 use crate::effects::stiffening;
 use crate::num::math;
 use crate::stats::quantity::Quantity;
@@ -56,7 +57,7 @@ impl CycleTracker {
     /// The effects found in the events, except changes of level and drifts.
     #[must_use]
     pub(crate) fn found(&self) -> Effects {
-        let Expectations { corner, damping, onset, rate, rate_change, .. } = &self.learnt;
+        let Expectations { corner, damping, onset, scatter, rate, rate_change, .. } = &self.learnt;
         let sags = self.learnt.sags();
         Effects::NONE
             .with(Effect::Corner, corner.get().is_some_and(|corner| !corner.is_sharp()))
@@ -66,6 +67,7 @@ impl CycleTracker {
             .with(Effect::Mass, self.weight_ratio().1 > 0.0)
             .with(Effect::Damping, damping.read(Damping::is_found))
             .with(Effect::Onset, onset.read(Onset::is_found))
+            .with(Effect::Scatter, scatter.read(SlipScatter::excess) > 0.0)
     }
 
     /// The parameters of an effect that was found, as the events determine them.
@@ -77,6 +79,11 @@ impl CycleTracker {
             }
             Effect::Damping => [self.learnt.damping.read(Damping::parameter), None],
             Effect::Onset => [self.learnt.onset.read(Onset::parameter), None],
+            Effect::Scatter => {
+                let noise_n2 = self.learnt.residuals.variance_n2();
+                let parameter = |noise_n2| self.learnt.scatter.get()?.parameter(noise_n2);
+                [noise_n2.and_then(parameter), None]
+            }
             Effect::Sag => [self.learnt.sag.read(Sag::parameter), None],
             Effect::Stiffening => {
                 [stiffening::parameter(&self.learnt.rate, &self.learnt.rate_change), None]

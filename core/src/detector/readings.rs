@@ -102,7 +102,8 @@ impl Detector {
             | Effect::Level
             | Effect::Drift
             | Effect::Damping
-            | Effect::Onset => None,
+            | Effect::Onset
+            | Effect::Scatter => None,
         }
     }
 

@@ -8,6 +8,7 @@ pub(crate) mod mass_change;
 pub(crate) mod onset;
 pub(crate) mod oscillation;
 pub(crate) mod sag;
+pub(crate) mod scatter;
 pub(crate) mod score;
 pub(crate) mod stiffening;
 pub(crate) mod zero_drift;

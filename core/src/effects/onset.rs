@@ -10,7 +10,7 @@
 
 use crate::effect::Parameter;
 use crate::effects::score::{Score, ScoreSum};
-use crate::fit::slip_scatter::steepness;
+use crate::fit::slip_residuals::steepness;
 use crate::model::Shape;
 use crate::num::math::larger;
 use crate::stats::prior::surely;

@@ -1,6 +1,6 @@
 //! The data of one event's fit: lines, samples, priors.
 
-use crate::fit::slip_scatter::{OwnSwing, SlipResiduals, steepness};
+use crate::fit::slip_residuals::{OwnSwing, SlipResiduals, steepness};
 use crate::fit::{Fit, SWING, Variances};
 use crate::model::corner::{Corner, Rounded};
 use crate::model::{CycleParams, Shape};
@@ -146,7 +146,7 @@ impl Data<'_> {
     /// swing then has the same error and does not reduce it, so for the forces `A` is the matrix
     /// without that prior.
     #[must_use]
-    pub(crate) fn slip_scatter(
+    pub(crate) fn slip_residuals(
         &self,
         fit: &Fit,
         knows_swing: bool,

@@ -12,7 +12,7 @@ pub(crate) mod levenberg_marquardt;
 pub(crate) mod over_onset;
 pub(crate) mod posterior;
 pub(crate) mod residuals;
-pub(crate) mod slip_scatter;
+pub(crate) mod slip_residuals;
 
 pub(crate) use data::{Data, Samples};
 pub(crate) use levenberg_marquardt::Fitting;

@@ -85,7 +85,8 @@ impl Pipeline {
             | Effect::Mass
             | Effect::Level
             | Effect::Damping
-            | Effect::Onset => [first, second],
+            | Effect::Onset
+            | Effect::Scatter => [first, second],
         }
     }
 

@@ -25,6 +25,7 @@ fn own(effect: Effect) -> &'static str {
         Effect::Ripple => "hard/ripple",
         Effect::Damping => "honesty/damping_2",
         Effect::Onset => "honesty/falling",
+        Effect::Scatter => "honesty/jitter_10",
     }
 }
 
@@ -42,11 +43,15 @@ fn files(effect: Effect) -> &'static [&'static str] {
         Effect::Level => &["effects/level_shift.rs"],
         Effect::Drift => &["effects/zero_drift.rs"],
         Effect::Flop => &["noise/flop.rs"],
-        Effect::Ripple => {
-            &["noise/ripple/mod.rs", "noise/ripple/sums.rs", "effects/oscillation.rs"]
-        }
+        Effect::Ripple => &[
+            "noise/ripple/mod.rs",
+            "noise/ripple/colored.rs",
+            "noise/ripple/sums.rs",
+            "effects/oscillation.rs",
+        ],
         Effect::Damping => &["effects/damping.rs"],
         Effect::Onset => &["effects/onset.rs"],
+        Effect::Scatter => &["effects/scatter.rs", "fit/slip_residuals.rs"],
     }
 }
 

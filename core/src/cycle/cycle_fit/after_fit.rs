@@ -5,8 +5,10 @@ use crate::cycle::cable::relax;
 use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Outcome, Terms};
 use crate::cycle::expectations::{Expectations, is_strained, own_residuals};
 use crate::cycle::slip_record::UNSURE;
+use crate::effect::Effect;
 use crate::effects::corner::ask;
 use crate::effects::mass_change::Verdict;
+use crate::effects::scatter::SlipScatter;
 use crate::effects::score::Asked;
 use crate::event::Reason;
 use crate::fit::correction::Correction;
@@ -58,12 +60,14 @@ impl CycleFit {
             // excess of all residuals over the steps) does not smear it.
             let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
             fit.widen(&Variances::UNSURE_OSCILLATION, hidden_n2 / now_n2);
-            let (scatter, wider) = data.slip_scatter(fit, knows_swing, quiet_n2);
-            // Residuals of a force that wanders are no scatter of the slip's own.
-            if !slip.wanders() {
-                learnt.slip_scatter.learn(scatter);
+            if learnt.effects.has(Effect::Scatter) {
+                let (own, wider) = data.slip_residuals(fit, knows_swing, quiet_n2);
+                // Residuals of a force that wanders are no scatter of the slip's own.
+                if !slip.wanders() {
+                    learnt.scatter.update(|scatter| scatter.learn(own));
+                }
+                fit.widen(&wider, learnt.scatter.read(SlipScatter::excess));
             }
-            fit.widen(&wider, learnt.slip_scatter.excess());
             // The error by an oscillation is estimated after the fit.
             if !slip.wander.is_disputed() {
                 fit.widen(&Variances::UNSURE_OSCILLATION, learnt.unsure(slip, now_n2));
