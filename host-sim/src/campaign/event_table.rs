@@ -17,7 +17,7 @@ use crate::columnar;
 pub const SCHEMA: &str = "floe-events/2";
 
 /// Events in a row group.
-const GROUP: usize = 100_000;
+const GROUP: usize = 20_000;
 
 /// A row: an event and its test.
 type Row<'a> = (&'a TestRecord, &'a EventRecord);
