@@ -218,6 +218,7 @@ mod tests {
     use super::*;
     use crate::fit::data::Samples;
     use crate::model::corner::Corner;
+    use crate::model::tests::dff8_13;
     use crate::noise::ripple::ColoredNoise;
     use crate::stats::line::Line;
     use crate::stats::prior::Prior;
@@ -237,15 +238,7 @@ mod tests {
 
     #[test]
     fn a_short_step_settles_a_fit_and_a_long_one_does_not() {
-        let (static_n, half_drop_n) = (781.2, 289.8);
-        let truth = CycleParams {
-            onset: 3.3,
-            rate: 22.5,
-            static_n,
-            half_drop_n,
-            omega: 1.1828,
-            rate_change: 0.0,
-        };
+        let truth = dff8_13();
         let shape = truth.shape();
         let forces_n: [f32; 12] = core::array::from_fn(|i| shape.force(i as f32).0);
         let (line, free) = (Line::default(), Prior::default());
