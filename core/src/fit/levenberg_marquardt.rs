@@ -258,7 +258,7 @@ mod tests {
             fitting.step(&data, 4.0)
         };
         let ControlFlow::Break(Some(fit)) = first_step(3.303, 291.0) else { panic!("settles") };
-        assert!((fit.forces.static_n - static_n).abs() < 0.02 && fit.cost() < 0.04);
+        assert!((fit.forces.static_n - truth.static_n).abs() < 0.02 && fit.cost() < 0.04);
         assert!(first_step(3.4, 300.0).is_continue());
     }
 }
