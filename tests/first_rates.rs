@@ -47,6 +47,45 @@ fn the_first_event_knows_that_its_rate_changed() {
     }
 }
 
+/// The first rests are those of a winch that comes up to speed in seconds. What they teach is
+/// forgotten once three events contradict it: the later events are right.
+#[test]
+fn a_winch_that_came_up_to_speed_is_forgotten() {
+    const LATER: u32 = 6;
+    for (weight_n, winch_m_per_s) in [(3000.0, 0.02), (300.0, 0.008)] {
+        let fraction = |tenth: u32| 1.0 - 0.9 * (-f64::from(tenth) / 20.0).exp();
+        let steps = (0..150).map(|tenth| [f64::from(tenth) / 10.0, fraction(tenth)]).collect();
+        let base = stored("honesty/base");
+        let scene = Scene {
+            duration_s: 80.0,
+            weight_n,
+            mu_s: 0.85,
+            mu: 0.5,
+            winch_m_per_s,
+            winch_profile: Some(WinchProfile::Steps { steps, period_s: None }),
+            ..base
+        };
+        let mut off = [vec![], vec![]];
+        for seed in 1..=SEEDS {
+            let Tried { truths, found, pairs, .. } = run(&scene, seed);
+            for (truth, event) in
+                pairs.iter().map(|&(truth, found_at)| (&truths[truth], &found[found_at]))
+            {
+                if event.index < LATER {
+                    continue;
+                }
+                off[0].extend(event.mu_s.map(|it| score::off(&it, truth.mu_s)));
+                off[1].extend(event.mu.map(|it| score::off(&it, truth.mu)));
+            }
+        }
+        for (off, what) in off.iter().zip(["mu_s", "mu"]) {
+            let within = off.iter().filter(|off| off.abs() < 1.96).count();
+            println!("{weight_n} N, {what}: {within} of {} covered", off.len());
+            assert!(off.len() > 60 && within as f64 > 0.9 * off.len() as f64, "{what}: {within}");
+        }
+    }
+}
+
 /// With a steady winch the intervals are much narrower than with a changing one.
 #[test]
 fn a_steady_winch_costs_nothing() {

@@ -14,8 +14,8 @@ use crate::fit::rounding_n2;
 use crate::model::CycleParams;
 use crate::stats::fading_trend::FadingTrend;
 
-/// Number of consecutive misfits after which all expectations are dropped, the same as for a single
-/// quantity (`stats/fading_trend.rs`).
+/// Number of consecutive events that contradict the expectations, after which these are dropped, the
+/// same as for a single quantity (`stats/fading_trend.rs`).
 const CHANGED: u8 = 3;
 /// Ratio of a swing to that by winch and weight, above which the winch may have stood while the
 /// cable hung slack: other troubles lower omega by up to an eighth.
@@ -23,16 +23,10 @@ const SLOWER: f32 = 1.15;
 
 impl Expectations {
     /// Are the event's residuals an outlier among those of the other events? The winch paused or
-    /// started, or the block hit something. Several in a row mean that the expectations no longer
-    /// hold.
-    pub(crate) fn is_misfit(&mut self, slip: &SlipRecord, squares_n2: f32, free: f32) -> bool {
+    /// started, or the block hit something.
+    pub(crate) fn is_misfit(&self, slip: &SlipRecord, squares_n2: f32, free: f32) -> bool {
         let least_n2 = (slip.noise_n2, rounding_n2(slip.peak.force_n));
-        if !self.residuals.is_outlier(squares_n2, free, least_n2) {
-            self.misfits = 0;
-            return false;
-        }
-        self.contradict();
-        true
+        self.residuals.is_outlier(squares_n2, free, least_n2)
     }
 
     /// Did the winch stand while the cable hung slack? The fit takes the longer time without force
@@ -52,10 +46,11 @@ impl Expectations {
         stood && self.stood < CHANGED
     }
 
-    /// Counts an event that contradicts the expectations. After [`CHANGED`] of them in a row the
-    /// expectations are reset.
-    pub(crate) fn contradict(&mut self) {
-        self.misfits += 1;
+    /// Counts the events in a row that contradict the expectations: misfits, and events whose rate
+    /// is another, as after a winch that took long to come up to speed. From [`CHANGED`] of them on
+    /// the expectations no longer hold and are reset.
+    pub(crate) fn contradict(&mut self, contradicts: bool) {
+        self.misfits = if contradicts { self.misfits + 1 } else { 0 };
         if self.misfits == CHANGED {
             self.misfits = 0;
             [self.rate, self.rate_change] = [FadingTrend::default(); 2];

@@ -35,7 +35,7 @@ pub(crate) struct Expectations {
     pub(crate) damping: Kept<Damping, { Effect::Damping.room() }>,
     pub(crate) onset: Kept<Onset, { Effect::Onset.room() }>,
     pub(crate) oscillation: Kept<Oscillation, { Effect::Ripple.room() }>,
-    /// Number of consecutive misfits.
+    /// Number of consecutive events that contradict the expectations.
     pub(super) misfits: u8,
     /// Number of consecutive first events whose winch may have stood while the cable hung slack.
     pub(super) stood: u8,

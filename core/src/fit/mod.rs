@@ -108,7 +108,8 @@ pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 pub(crate) const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
 /// The first unknown with a coefficient in either force.
 const FIRST: usize = 2;
-/// The place of the swing among the unknowns.
+/// The places of the loading rate and of the swing among the unknowns.
+const RATE: usize = 1;
 pub(crate) const SWING: usize = 4;
 
 /// Shift of `Fs` and `Fp` for a shift of the unknowns.
@@ -127,6 +128,14 @@ impl Fit {
     #[must_use]
     pub(crate) fn cost(&self) -> f32 {
         self.normal.cost
+    }
+
+    /// By how much less the squared residuals of samples and lines would be, N², without this prior
+    /// of the loading rate.
+    pub(crate) fn by_rate_n2(&self, rate: Prior) -> f32 {
+        let pull = rate.weight * (rate.mean - self.cycle().rate);
+        let variance = self.variances[RATE];
+        pull * pull * variance / (1.0 - rate.weight * variance)
     }
 
     /// Subtracts the squared residuals, N², of samples that became part of a stick line from the

@@ -4,7 +4,7 @@
 use crate::cycle::cable::relax;
 use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Outcome, Terms};
 use crate::cycle::expectations::{Expectations, is_strained, own_residuals};
-use crate::cycle::slip_record::UNSURE;
+use crate::cycle::slip_record::{SURE, UNSURE};
 use crate::effect::Effect;
 use crate::effects::corner::ask;
 use crate::effects::mass_change::Verdict;
@@ -39,6 +39,8 @@ impl CycleFit {
         let (line_n2, points) = (self.after.residual(), larger(self.after.weight - 2.0, 0.0));
         let around_n2 = squares_n2 - line_n2;
         let misfit = learnt.is_misfit(slip, around_n2, free - points);
+        let is_other = fit.by_rate_n2(data.rate) > SURE * SURE * noise_n2;
+        learnt.contradict(misfit || is_other);
         let counts = free >= 1.0 && !misfit;
         let own_n2 = squares_n2 / larger(free, 1.0);
         let quieter_n2 = slip.quieter_n2(&self.after);

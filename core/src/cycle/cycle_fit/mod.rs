@@ -254,7 +254,7 @@ impl CycleFit {
         let Some(fit) = fit.as_ref().filter(holds) else {
             // A wrong estimate of the corners may be why the fit failed.
             learnt.corner = Kept::default();
-            learnt.contradict();
+            learnt.contradict(true);
             self.stage = FitStage::Failed(Reason::NoFit);
             return;
         };
