@@ -82,7 +82,7 @@ impl Stretches {
     /// Takes a sample; does it end a block?
     #[inline(always)]
     pub(crate) fn take(&mut self, now: ForcePoint) -> bool {
-        if now.index - self.steady.last.index > LONGEST_GAP {
+        if now.index.wrapping_sub(self.steady.last.index) > LONGEST_GAP {
             let steady = self.steady.end(now.index);
             self.end_steady(steady);
         }
@@ -154,6 +154,11 @@ impl Stretches {
         }
     }
 
+    /// First and last moment of the newest complete stretch; both are zero before the first.
+    pub(crate) fn newest(&self) -> (SampleTime, SampleTime) {
+        self.handed_out
+    }
+
     /// Completes the stretch that was not understood.
     pub(crate) fn close(&mut self) {
         if let Some(open) = self.open.take() {
@@ -203,6 +208,24 @@ impl Stretches {
         self.handed_out = (stretch.start, stretch.stop);
         if let Some(place) = self.ready.iter_mut().find(|place| place.is_none()) {
             *place = Some(stretch);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stretch_begins_with_its_first_sample() {
+        for first in [0, 1, 5, LONGEST_GAP, 1000] {
+            let mut stretches = Stretches::new(16.0, 630.0, false);
+            for index in first..first + 160 {
+                let force_n = 300.0 + (index % 3) as f32;
+                stretches.take(ForcePoint { index, force_n });
+            }
+            stretches.interrupt(Some(u32::MAX));
+            assert_eq!(stretches.next().map(|it| it.start.index), Some(first));
         }
     }
 }
