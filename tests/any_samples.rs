@@ -154,11 +154,11 @@ const PATTERNS: [(&str, Pattern); 8] = [
     ("growing saw", |i| (i % 31) as f32 * (i as f32 * 0.01).exp2()),
 ];
 
-/// Magnitudes from forces whose squares underflow to the end of the range, with and without a
-/// constant load.
+/// Magnitudes from forces whose squares underflow to the end of the range and beyond, with and
+/// without a constant load.
 #[test]
 fn patterns_of_any_size_give_numbers() {
-    let scales = [1e-38, 1e-30, 1e-20, 1e-15, 1e-10, 1e-5, 1.0, 1e5, 1e8, 1e11, 1e12];
+    let scales = [1e-38, 1e-30, 1e-20, 1e-15, 1e-10, 1e-5, 1.0, 1e5, 1e8, 9e8, 1e11, 1e12];
     for (name, pattern) in PATTERNS {
         for scale in scales {
             for tare_n in [0.0, 1e7] {

@@ -7,6 +7,7 @@ use floe::sim::{Scene, Simulation, simulate};
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2;
 use floe_core::{Coefficient, Config, Pipeline, Provisional, Report};
 use floe_tests::aims::{self, COVERAGE, Check};
+use floe_tests::normal::Normal;
 use floe_tests::score::{Errors, rms};
 use floe_tests::{both, feed, parallel, scenes};
 
@@ -154,5 +155,36 @@ fn rate_omega_stiffness_and_recurrence_are_those_of_the_pull() {
         let (worst, rms) = (off.iter().map(|z| z.abs()).fold(0.0, f64::max), rms(&off));
         println!("{name}: rate and omega off by {rms:.2} standard deviations, {worst:.2} at most");
         assert!(rms < 1.5 && worst < 4.0, "{name}");
+    }
+}
+
+/// The winch turns back before the first slip and between two others, and stands for a minute in two
+/// rests, one after the other.
+#[test]
+fn a_rest_with_a_stretch_without_an_event_is_no_recurrence() {
+    const DISTURBED: [usize; 4] = [0, 10, 11, 20];
+    let scene = Scene { duration_s: 60.0, ..scenes::stored(LINEAR[0]) };
+    for seed in 1..=8 {
+        let simulation = record(&scene, seed);
+        let pulled: Vec<f64> = simulation.samples.iter().map(|sample| sample.force_n).collect();
+        let onsets: Vec<_> = simulation.events.iter().map(|event| event.onset_s).collect();
+        let (mut noise, mut forces) = (Normal::new(seed), Vec::new());
+        for (at, force_n) in pulled.iter().enumerate() {
+            forces.push(*force_n);
+            let begins = |event: &&usize| at == ((onsets[**event] - 0.6) * scene.rate_hz) as usize;
+            let by_n: Vec<f64> = match DISTURBED.iter().find(begins) {
+                Some(10 | 11) => vec![0.0; 960],
+                Some(_) => (0..80).map(|i| 9.0 * f64::from((i - 40_i32).abs() - 40)).collect(),
+                None => Vec::new(),
+            };
+            forces.extend(by_n.iter().map(|by_n| force_n + by_n + 2.0 * noise.sample()));
+        }
+        let outcome = feed::replay(&both::config(&scene), feed::in_a_row(&forces));
+        assert_eq!(outcome.events.len(), onsets.len(), "{seed}: {:?}", outcome.stretches);
+        let is_whole = |event: &usize| !DISTURBED.contains(event);
+        let whole = (0..onsets.len()).filter(is_whole).map(|it| onsets[it] - onsets[it - 1]);
+        let mean_s = whole.sum::<f64>() / (onsets.len() - DISTURBED.len()) as f64;
+        let recurrence_s = f64::from(outcome.report.recurrence_s.expect("known"));
+        assert!((recurrence_s / mean_s - 1.0).abs() < 2e-3, "{seed}: {recurrence_s} {mean_s}");
     }
 }

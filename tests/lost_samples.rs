@@ -1,8 +1,10 @@
 //! Lost samples at a slip, and gaps in the rest before one.
 
 use floe::sim::Scene;
-use floe_core::{Event, Newtons, RawSample, Reading};
+use floe_core::{Config, Event, Newtons, RawSample, Reading};
 use floe_tests::brute::Pull;
+use floe_tests::normal::Normal;
+use floe_tests::saw::{Slip, saw};
 use floe_tests::score::{Record, off};
 use floe_tests::{both, feed, random, scenes};
 
@@ -112,6 +114,30 @@ fn a_hidden_slip_does_not_bend_a_sagging_cable() {
     let mean = 100.0 * sum / count;
     println!("mean error of mu {mean:.2} % in {count} events");
     assert!(count > 90.0 && mean.abs() < 0.6, "{mean} % in {count} events");
+}
+
+/// Slips that follow each other faster than they can be fitted wait. A saturated sample hides the
+/// slip that it lies in, also if a later one is saturated by the time that slip is looked at.
+#[test]
+fn a_saturated_sample_hides_its_slip_while_samples_wait() {
+    let config = Config { weight_n: 630.0, range_n: Some(790.0), ..Config::default() };
+    let (mut hidden, mut seen) = (0, 0);
+    for (seed, rate, omega) in (1..=3).flat_map(|i| [(i, 120.0, 1.2), (i, 100.0, 2.0)]) {
+        let mut noise = Normal::new(seed);
+        let slip = |_| Slip { static_n: 780.0 + 8.0 * noise.sample(), dynamic_n: 560.0, omega };
+        let slips: Vec<Slip> = (0..150).map(slip).collect();
+        let (forces, _) = saw(&slips, rate, 60.0);
+        let forces: Vec<f64> = forces.iter().map(|it| it + 2.0 * noise.sample()).collect();
+        for event in feed::replay(&config, feed::in_a_row(&forces)).events {
+            let (from, to) = (event.onset.index as usize, event.stop.index as usize);
+            if forces[from - 1..=to].iter().any(|force_n| force_n.abs() >= 790.0) {
+                hidden += 1;
+                assert_eq!(event.mu_s, None, "{rate} N, {omega}, seed {seed}: {event:?}");
+            }
+            seen += u32::from(event.mu_s.is_some());
+        }
+    }
+    assert!(hidden > 100 && seen > 100, "{hidden} {seen}");
 }
 
 /// The force of a sample, N; zero without one.

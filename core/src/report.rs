@@ -45,7 +45,8 @@ pub struct Report {
     /// Stiffness of the cable, N/m: from the winch speed if given, else from
     /// omega and the mass.
     pub stiffness_n_per_m: Option<f32>,
-    /// Mean time from onset to onset, s, where no gap lies between them.
+    /// Mean time from onset to onset, s, where no gap and no stretch without an event lies between
+    /// them.
     pub recurrence_s: Option<f32>,
     /// Standard deviation of the drift of the load cell's zero, N; it is in the budget. `None`
     /// where that is no more than the noise.

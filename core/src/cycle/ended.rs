@@ -46,15 +46,15 @@ pub(super) struct FirstAnswer {
 }
 
 impl Ended {
-    /// Ended by a slip with this highest and lowest sample; `hides` if saturated samples hide a
-    /// part of it.
+    /// Ended by a slip with this highest and lowest sample; `last_hidden` is the newest saturated
+    /// index.
     pub(super) fn by_slip(
         detector: &Detector,
         (peak, low): (ForcePoint, ForcePoint),
-        hides: bool,
+        last_hidden: Option<u32>,
     ) -> Self {
         let (last, rest_weight) = (detector.last().index, detector.rest_weight());
-        let by = By::Slip(SeenSlip { peak, low, last, rest_weight, hides });
+        let by = By::Slip(SeenSlip { peak, low, last, rest_weight, last_hidden });
         Self { stick: *detector.ended(), by, progress: Progress::Waiting }
     }
 

@@ -125,11 +125,7 @@ impl CycleTracker {
         last_hidden: Option<u32>,
         answers: &mut Answers,
     ) {
-        let stick = detector.ended();
-        // While samples wait, `last_hidden` may lie past the last one looked at.
-        let last = detector.last().index;
-        let hides = last_hidden.is_some_and(|index| index + 4 >= stick.next && index <= last);
-        self.end_line(detector, Ended::by_slip(detector, extremes, hides), answers);
+        self.end_line(detector, Ended::by_slip(detector, extremes, last_hidden), answers);
     }
 
     /// A long gap: the stick line that it ends also ends the pending event.

@@ -27,8 +27,8 @@ const FIRST: i32 = 1;
 const SECOND: i32 = FIRST + 1;
 const PAST_PROFILE: i32 = PROFILE + 1;
 
-/// Interval, samples, at which the usual drop is halved in a stick more than twice as long as the
-/// one before; a power of two. Tuned: a knock hides slips for as long, and no flop lasts as long.
+/// Interval, samples, at which the usual drop is halved in a stick without a single line, or more
+/// than twice as long as the one before; a power of two. Tuned: a knock hides slips for as long, and no flop lasts as long.
 const FORGET: i32 = 32;
 /// Lower limit of a halved usual drop, standard deviations of the noise: a slip that begins low on
 /// the line needs half of the usual drop.
@@ -67,7 +67,8 @@ impl Detector {
             self.stick.next += 1;
             let rested = periods_between(self.stick.origin, self.stick.next);
             if rested & (FORGET - 1) == 0
-                && rested > 2 * periods_between(self.ended.origin, self.ended.next)
+                && (!self.stick.is_straight()
+                    || rested > 2 * periods_between(self.ended.origin, self.ended.next))
             {
                 self.forget_usual();
             }
@@ -107,9 +108,10 @@ impl Detector {
         falls
     }
 
-    /// No slip for more than twice the length of the stick before: the usual drop may be that of a
-    /// knock, or of the first slip of a block that was frozen in. It is halved, down to
-    /// [`LEAST_USUAL`] standard deviations of the noise.
+    /// No slip for more than twice the length of the stick before, or on a line that had to begin
+    /// anew, as unseen slips make it: the usual drop may be that of a knock, or of the first slip of
+    /// a block that was frozen in. It is halved, down to [`LEAST_USUAL`] standard deviations of the
+    /// noise.
     #[cold]
     #[inline(never)]
     fn forget_usual(&mut self) {

@@ -208,12 +208,6 @@ impl Noise {
     }
 }
 
-impl Default for Noise {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -163,6 +163,7 @@ impl Pipeline {
     }
 
     fn recurrence_s(&self) -> Option<f32> {
-        (self.intervals > 0).then(|| self.recurrence / self.config.rate_hz)
+        let period_s = self.decimator.factor() / self.config.rate_hz;
+        (self.intervals > 0).then_some(self.recurrence * period_s)
     }
 }

@@ -94,16 +94,16 @@ pub struct Pipeline {
     mu: Estimator,
     /// Statistics for a drift of the zero.
     drift: Kept<Drift, { Effect::Drift.room() }>,
-    /// Largest force of the events, N.
+    /// Largest force of the events with a coefficient, N: a knock's says nothing of the zero.
     largest_n: f32,
     /// Relative standard deviation of the weight due to changes of the block, mean over the events.
     weight_std: f32,
     events: u32,
     /// The newest change.
     change: Option<Change>,
-    /// Onset of the newest event; number of the intervals between events without a gap, and their
-    /// mean, periods.
-    last_onset: SampleTime,
+    /// Onset of the newest event, unless a stretch without an event follows it; number of the
+    /// intervals between events that hide no slip, and their mean. In blocks.
+    last_onset: Option<SampleTime>,
     intervals: u32,
     recurrence: f32,
 }
@@ -147,7 +147,7 @@ impl Pipeline {
             change: None,
             change_given: true,
             stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
-            last_onset: SampleTime::ZERO,
+            last_onset: None,
             intervals: 0,
             recurrence: 0.0,
         })
@@ -234,6 +234,7 @@ impl Pipeline {
         if let Some(highest) = highest {
             let is_new = self.detector.is_up_to_date();
             self.stretches.interrupt(is_new.then(|| highest.index.saturating_sub(1)));
+            self.detector.stays_below(None);
         }
         let mut answers = Answers::default();
         match transition {

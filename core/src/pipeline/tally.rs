@@ -7,6 +7,7 @@ use crate::estimator::Common;
 use crate::event::{Event, Quality};
 use crate::num::math;
 use crate::pipeline::Pipeline;
+use crate::sample::SampleTime;
 
 impl Pipeline {
     /// Counts an event, and returns it; `None` if nothing slipped.
@@ -28,13 +29,7 @@ impl Pipeline {
             self.detector.fitted_noise(noise_n, event.mu_s.is_some());
             self.detector.creeps(self.cycles.creep_periods());
         }
-        // A gap may hide slips.
-        if event.stick_s.is_some() {
-            self.intervals = self.intervals.saturating_add(1);
-            let interval = event.onset.periods_since(self.last_onset);
-            self.recurrence += (interval - self.recurrence) / self.intervals as f32;
-        }
-        self.last_onset = event.onset;
+        self.take_onset(onset, event.stick_s.is_some());
         self.events = self.events.saturating_add(1);
         if let Some(change) = change {
             let onset = self.decimator.moment(change.onset);
@@ -57,13 +52,27 @@ impl Pipeline {
                 mean.add_with_common(it, Common { shared, granted: granted * it.std, moved });
             }
         }
-        self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
         if mu_s.or(mu).is_some() {
+            self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
             let events = self.mu_s.count().max(self.mu.count()).max(1) as f32;
             self.weight_std += (self.cycles.weight_ratio().1 - self.weight_std) / events;
         }
         self.add_systematic(event.mu_s.as_mut(), event.mu.as_mut());
         Some(event)
+    }
+
+    /// Takes the onset of an event. The interval to the event before counts unless a gap or a
+    /// stretch without an event may hide slips in it; `rests` if no gap does.
+    fn take_onset(&mut self, onset: SampleTime, rests: bool) {
+        let (from, to) = self.stretches.newest();
+        let before = self.last_onset.filter(|it| !(it.precedes(to) && from.precedes(onset)));
+        if let Some(before) = before.filter(|_| rests) {
+            self.intervals = self.intervals.saturating_add(1);
+            let interval = onset.periods_since(before);
+            self.recurrence += (interval - self.recurrence) / self.intervals as f32;
+        }
+        // By now there may be a stretch between this event and the next.
+        self.last_onset = Some(onset).filter(|it| !it.precedes(to));
     }
 }
 

@@ -4,11 +4,12 @@
 //! delay, no memory.
 
 use crate::config::Config;
+use crate::num::math::smaller;
 use crate::sample::{Reading, SampleFlag};
 use crate::units::{Counts, Newtons};
 
-/// Largest force, N: no cable carries more, and beyond it the sums of squares would overflow.
-const LARGEST_N: f32 = 1e12;
+/// Largest force, N: no cable carries more, and beyond it sums of fourth powers may overflow.
+const LARGEST_N: f32 = 1e9;
 
 /// Calibration with its division done beforehand.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +29,7 @@ impl Calibrator {
             tare_counts: calibration.tare_counts,
             n_per_count: 1.0 / calibration.counts_per_n,
             range_counts: calibration.range_counts,
-            range_n: config.range_n.unwrap_or(LARGEST_N),
+            range_n: config.range_n.map_or(LARGEST_N, |range_n| smaller(range_n, LARGEST_N)),
         }
     }
 
@@ -108,5 +109,8 @@ mod tests {
         ] {
             assert_eq!(c.force_n(reading), flag, "{reading:?}");
         }
+        // No cable carries more than a billion newtons, whatever the cell's range is said to be.
+        let wide = Calibrator::new(&Config { range_n: Some(1e30), ..Config::default() });
+        assert_eq!(wide.force_n(Reading::Force(Newtons(1e20))), saturated);
     }
 }

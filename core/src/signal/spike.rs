@@ -113,12 +113,6 @@ impl SpikeFilter {
     }
 }
 
-impl Default for SpikeFilter {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

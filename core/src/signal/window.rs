@@ -91,12 +91,6 @@ fn slot(index: u32) -> usize {
     (index % WINDOW as u32) as usize
 }
 
-impl Default for Window {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

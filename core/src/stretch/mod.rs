@@ -59,6 +59,8 @@ pub(crate) struct Stretches {
     moving: Option<bool>,
     /// The newest stretch that was not understood, while it may grow.
     open: Option<Stretch>,
+    /// The first index after the newest gap.
+    resumed: u32,
     /// First and last moment of the newest complete stretch.
     handed_out: (SampleTime, SampleTime),
     /// Complete stretches, oldest first.
@@ -74,6 +76,7 @@ impl Stretches {
             weight_n,
             moving: winch.then_some(true),
             open: None,
+            resumed: 0,
             handed_out: (SampleTime::ZERO, SampleTime::ZERO),
             ready: [None; 3],
         }
@@ -82,9 +85,10 @@ impl Stretches {
     /// Takes a sample; does it end a block?
     #[inline(always)]
     pub(crate) fn take(&mut self, now: ForcePoint) -> bool {
-        if now.index - self.steady.last.index > LONGEST_GAP {
+        if now.index.wrapping_sub(self.steady.last.index) > LONGEST_GAP {
             let steady = self.steady.end(now.index);
             self.end_steady(steady);
+            self.resumed = now.index;
         }
         let ends = self.steady.take(now);
         if ends {
@@ -123,8 +127,11 @@ impl Stretches {
     /// Takes a fall that is no slip.
     pub(crate) fn refuse(&mut self, start: SampleTime, stop: SampleTime, reason: Reason) {
         let kind = StretchKind::NotUnderstood(reason);
+        let resumed = self.resumed;
+        // A gap belongs to no stretch.
+        let goes_on = |open: &Stretch| open.stop.index >= resumed || start.index < resumed;
         match &mut self.open {
-            Some(open) if open.kind == kind => open.stop = stop,
+            Some(open) if open.kind == kind && goes_on(open) => open.stop = stop,
             _ => {
                 self.end_before(start);
                 self.open = Some(Stretch { start, stop, kind });
@@ -152,6 +159,11 @@ impl Stretches {
         } else {
             onset.precedes(from).then_some((onset, from))
         }
+    }
+
+    /// First and last moment of the newest complete stretch; both are zero before the first.
+    pub(crate) fn newest(&self) -> (SampleTime, SampleTime) {
+        self.handed_out
     }
 
     /// Completes the stretch that was not understood.
@@ -204,5 +216,40 @@ impl Stretches {
         if let Some(place) = self.ready.iter_mut().find(|place| place.is_none()) {
             *place = Some(stretch);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stretch_begins_with_its_first_sample() {
+        for first in [0, 1, 5, LONGEST_GAP, 1000] {
+            let mut stretches = Stretches::new(16.0, 630.0, false);
+            for index in first..first + 160 {
+                let force_n = 300.0 + (index % 3) as f32;
+                stretches.take(ForcePoint { index, force_n });
+            }
+            stretches.interrupt(Some(u32::MAX));
+            assert_eq!(stretches.next().map(|it| it.start.index), Some(first));
+        }
+    }
+
+    #[test]
+    fn falls_of_one_reason_are_one_stretch_except_across_a_gap() {
+        let mut stretches = Stretches::new(16.0, 630.0, false);
+        let moment = |index| SampleTime { index, fraction: 0.0 };
+        for start in [20, 60, 1_000_020, 1_000_060] {
+            stretches.take(ForcePoint { index: start, force_n: start as f32 });
+            stretches.refuse(moment(start), moment(start + 9), Reason::WoundBack);
+            (start + 1..start + 40).step_by(8).for_each(|index| {
+                stretches.take(ForcePoint { index, force_n: 0.0 });
+            });
+        }
+        stretches.close();
+        let seen: [_; 3] = core::array::from_fn(|_| stretches.next());
+        let seen = seen.map(|it| it.map(|it| (it.start.index, it.stop.index)));
+        assert_eq!(seen, [Some((20, 69)), Some((1_000_020, 1_000_069)), None]);
     }
 }

@@ -3,7 +3,7 @@
 //! significant slope. Work per sample: one mean and one squared difference.
 
 use crate::num::math::{self, larger};
-use crate::sample::ForcePoint;
+use crate::sample::{ForcePoint, RawSample};
 use crate::stats::line::Line;
 
 /// Fewest samples of a block: they give their standard deviation to a fifth, `1/√(2 × 15)`.
@@ -21,6 +21,9 @@ const UNLIKELY: f32 = 3.0;
 const SAME: f32 = 0.01;
 /// Standard deviations by which the highest of 300 000 normal samples lies above their mean.
 const HIGHEST: f32 = 4.5;
+
+/// Stands for no sample: the first one comes a gap after it, whatever its index.
+const BEFORE_ALL: ForcePoint = ForcePoint { index: RawSample::LAST_INDEX + 1, force_n: 0.0 };
 
 /// Finds constant forces.
 // Field order: first what every sample touches.
@@ -54,7 +57,7 @@ impl SteadyForce {
         Self {
             block: larger(rate_hz, LEAST_BLOCK) as u32,
             start: 0,
-            last: ForcePoint::ZERO,
+            last: BEFORE_ALL,
             count: 0,
             mean_n: 0.0,
             steps_n2: 0.0,

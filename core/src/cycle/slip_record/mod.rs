@@ -51,8 +51,8 @@ pub(crate) struct SeenSlip {
     pub(crate) last: u32,
     /// Weight of the samples since the lowest one.
     pub(crate) rest_weight: f32,
-    /// Saturated samples hide a part of the slip.
-    pub(crate) hides: bool,
+    /// The newest saturated index.
+    pub(crate) last_hidden: Option<u32>,
 }
 
 /// A slip, gathered while the stick line after it still grows.
@@ -145,7 +145,11 @@ impl SlipRecord {
         self.rough.edges = self.edges();
         let missing = self.length - self.samples().count();
         let too_long = (self.length == CORE).then_some(Reason::TooLong);
-        self.hidden = if slip.hides || missing > 3 { Some(Reason::Hidden) } else { too_long };
+        // While samples wait, the newest saturated one may lie past this slip: then one that is
+        // missing here may have been saturated too.
+        let hides = |index| index + 4 >= self.origin && (index <= slip.last || missing > 0);
+        let hides = slip.last_hidden.is_some_and(hides) || missing > 3;
+        self.hidden = if hides { Some(Reason::Hidden) } else { too_long };
     }
 
     /// Sets the cycle of the first answer, if there is one.
