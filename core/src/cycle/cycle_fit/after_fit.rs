@@ -119,7 +119,7 @@ impl CycleFit {
             self.stage = FitStage::Failed(Reason::LetGo);
             return;
         }
-        *alone = fit.forces_alone(data.rate).filter(|_| is_resolved);
+        *alone = fit.forces_alone(self.rate).filter(|_| is_resolved);
         let strained = is_resolved && self.strain != Strain::None;
         *verdict = learnt.learn(&data, posterior, noise_n2, (strained, self.excess));
         if slip.wander.is_disputed() {

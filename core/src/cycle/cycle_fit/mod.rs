@@ -30,6 +30,7 @@ use crate::noise::sinusoid::{self, Sinusoid};
 use crate::num::math::{larger, smaller};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
+use crate::stats::prior::Prior;
 
 /// Number of waiting samples from which on no more places of an onset are tried: the remaining
 /// steps still have time.
@@ -50,10 +51,12 @@ pub(crate) struct CycleFit {
     /// The oscillation about `after`, if the noise is an oscillation.
     oscillation: Sinusoid,
     stage: FitStage,
-    /// The event's priors, the same from the beginning of the fit to its end.
+    /// The event's priors: the same from the beginning of the fit to its end, and adapted to the
+    /// noise by then where the onset is averaged.
     expected: Expected,
-    /// The fit, once it has converged.
+    /// The fit, once it has converged, and the prior of the rate in its normal equations.
     fit: Fit,
+    rate: Prior,
     /// Misfit of the samples around the slip, and the factor by which it multiplied the variances.
     strain: Strain,
     excess: f32,
@@ -134,6 +137,7 @@ impl CycleFit {
             stage: FitStage::New,
             expected: Expected::default(),
             fit: Fit::default(),
+            rate: Prior::default(),
             strain: Strain::None,
             excess: 1.0,
             measured: Measured::default(),
@@ -258,7 +262,7 @@ impl CycleFit {
             self.stage = FitStage::Failed(Reason::NoFit);
             return;
         };
-        self.fit = *fit;
+        (self.fit, self.rate) = (*fit, self.expected.rate);
         self.stage = slip.hidden.map_or(FitStage::Fitted, FitStage::Failed);
     }
 
