@@ -195,8 +195,12 @@ impl CycleFit {
             FitStage::Expected(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Places(_) => 10 + self.expected.pass(&self.slip),
             FitStage::Fitted => 27 + 5 * (self.slip.fall() as usize).min(8),
-            // More with an oscillation about the lines, whose source is then estimated.
-            FitStage::Learning => 22 + if self.slip.wander.is_disputed() { 6 } else { 0 },
+            // More with an oscillation about the lines, whose source is then estimated, or with a
+            // cable that sags, whose elongation is converted back.
+            FitStage::Learning => {
+                let SlipRecord { wander, elongation, .. } = &self.slip;
+                22 + if wander.is_disputed() || elongation.sags() { 6 } else { 0 }
+            }
             FitStage::Alone(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Asked(Terms::Widen, .., next) => {
                 12 + (samples + 2 - next).min(LEVELS_A_STEP) * 3 / 2
