@@ -87,3 +87,30 @@ fn a_trial_that_fails_leaves_the_weight() {
     println!("{tried} of {records} with a trial");
     assert!(tried > 5, "{tried}");
 }
+
+/// After a break the new block is known as well as the old one was: a second break is seen too.
+#[test]
+fn a_block_that_breaks_twice_is_weighed_twice() {
+    const WEIGHT_N: f64 = 630.0;
+    const MU: f64 = 0.78;
+    let mut changes = 0;
+    for seed in 0..12 {
+        let mut normal = Normal::new(seed);
+        let mut slip = |index: u32| {
+            let mass: f64 = [1.0, 1.0, 0.8, 0.6, 0.6, 0.6][(index / 15) as usize];
+            let mut around = |mu: f64| mu * WEIGHT_N * mass * (1.0 + 0.005 * normal.sample());
+            Slip { static_n: around(1.24), dynamic_n: around(MU), omega: 1.183 / mass.sqrt() }
+        };
+        let slips: Vec<Slip> = (0..90).map(&mut slip).collect();
+        let (mut forces_n, _) = saw(&slips, 22.5, 20.0);
+        forces_n.iter_mut().for_each(|it| *it += 2.0 * normal.sample());
+        let seen = read(WEIGHT_N, &forces_n);
+        changes += seen.changes.iter().filter(|it| it.cause == Cause::Mass).count();
+        for event in &seen.events {
+            let Some(mu) = event.mu else { continue };
+            let off = (f64::from(mu.value) - MU) / f64::from(mu.combined_std()).hypot(0.005 * MU);
+            assert!(off.abs() < 5.0, "{seed}: {off} standard deviations: {event:?}");
+        }
+    }
+    assert_eq!(changes, 24);
+}

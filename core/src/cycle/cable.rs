@@ -48,6 +48,15 @@ pub(super) fn relax(cable: &Elongation, posterior: &mut Posterior) -> (f32, f32)
     (at_onset, mean)
 }
 
+/// `Fp` of a fit as a force, N, also where it was made in elongation: midpoint of `Fs` and `Fe`.
+pub(super) fn dynamic_n(cable: &Elongation, posterior: &Posterior) -> f32 {
+    let mut posterior = *posterior;
+    if cable.sags() {
+        relax(cable, &mut posterior);
+    }
+    posterior.cycle.dynamic_n()
+}
+
 impl CycleTracker {
     /// Updates the estimate of the sag with the rest before this slip; keeps the start of the next
     /// rest.
@@ -79,11 +88,11 @@ impl CycleTracker {
     /// N². Where the lines are not straight, a cable that stiffens as the block slides cannot be
     /// identified.
     pub(super) fn shift(&self, slip: &SlipRecord, cycle: &CycleParams) -> (f32, f32) {
-        let (mut sag_n, mut sag_n2) = self.learnt.sag.read(|sag| sag.shift(cycle));
-        if sag_n <= 0.0 && !slip.wander.bends {
-            // A sag that is only possible adds no variance where the rests are straight.
-            (sag_n, sag_n2) = (0.0, 0.0);
-        }
+        let sags = slip.elongation.sags();
+        let shift = || self.learnt.sag.read(|sag| sag.shift(cycle, sags));
+        // A straight line through a rest goes through its mean force over time, `∫ F dy / ∫ dy`:
+        // the midpoint of such lines is `Fp`, whatever the sag.
+        let (sag_n, sag_n2) = if sags || slip.wander.bends { shift() } else { (0.0, 0.0) };
         let stiffens = self.site.effects.has(Effect::Stiffening);
         let is_straight = slip.wander.level <= 0.0 && cycle.is_taut();
         if !is_straight {

@@ -190,12 +190,14 @@ impl Expectations {
     }
 
     /// Updates loading rate, swing and rate change with the event's own values, unless it is
-    /// suspect. `strained` is from [`is_strained`]; `excess` is the factor by which the misfit
-    /// multiplied the variances.
+    /// suspect. `dynamic_n` is `Fp`, of a sagging cable not in elongation, whose zero differs from
+    /// event to event. `strained` is from [`is_strained`]; `excess` is the factor by which the
+    /// misfit multiplied the variances.
     pub(crate) fn learn(
         &mut self,
         data: &Data<'_>,
         posterior: &Posterior,
+        dynamic_n: f32,
         noise_n2: f32,
         (strained, excess): (bool, f32),
     ) -> Verdict {
@@ -223,7 +225,7 @@ impl Expectations {
             // cannot push.
             inverse_omega: own_swing(inverse_omega / excess, LEAST_JUDGED)
                 .filter(|_| cycle.restick_n() > 0.0),
-            dynamic_n: cycle.dynamic_n(),
+            dynamic_n,
             // Without a line before it the event's rate is only the prior.
             same_cable: data.before.count > 0 && self.is_usual_rate(cycle.rate),
             strained: strained && cycle.restick_n() > 0.0,

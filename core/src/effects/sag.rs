@@ -114,15 +114,17 @@ impl Sag {
 
     /// Distance of `Fp` below `(Fs + Fe)/2`, N, and its variance. The softness that shifts `Fp` is
     /// its mean, shrunk for its variance (James and Stein), and zero before it is significant; the
-    /// rest of the mean adds to the variance.
-    pub(crate) fn shift(&self, cycle: &CycleParams) -> (f32, f32) {
+    /// rest of the mean adds to the variance. An event that `was_bent`, fitted in elongation, is
+    /// shifted in any case: its fit took the softness for significant.
+    pub(crate) fn shift(&self, cycle: &CycleParams, was_bent: bool) -> (f32, f32) {
         let (high_n, low_n) = (cycle.static_n, cycle.restick_n());
         let (product, drop_n) = (high_n * low_n, high_n - low_n);
         let Some(mean) = self.softness.mean().filter(|mean| *mean > 0.0 && product > 0.0) else {
             return (0.0, 0.0);
         };
         let (mut sure, mut unsure) = (0.0, mean * mean);
-        if let Some((_, variance)) = self.clear(low_n) {
+        if was_bent || self.clear(low_n).is_some() {
+            let (_, variance) = self.softness.now();
             sure = larger(mean - variance / mean, 0.0);
             unsure = (mean - sure) * (mean - sure) + variance;
         }
@@ -194,7 +196,7 @@ mod tests {
             (work + f64::from(force_n) * by, way + by)
         });
         let shift_n = cycle.dynamic_n() - (work / way) as f32;
-        let (got_n, variance_n2) = sag.shift(&cycle);
+        let (got_n, variance_n2) = sag.shift(&cycle, false);
         assert!((got_n / shift_n - 1.0).abs() < 0.02, "{got_n} {shift_n}");
         assert!(variance_n2 > 0.0 && variance_n2 < shift_n * shift_n);
         let Elongation { softness, zero_n } = sag.elongation(226.0);
@@ -203,16 +205,19 @@ mod tests {
         // nothing.
         assert!(!sag.elongation(100.0).sags());
         let slips_to_low = CycleParams { half_drop_n: 340.0, ..cycle };
-        let (shift_n, variance_n2) = sag.shift(&slips_to_low);
+        let (shift_n, variance_n2) = sag.shift(&slips_to_low, false);
         assert!(shift_n.abs() < 1e-6 && variance_n2 > 25.0, "{shift_n} {variance_n2}");
+        // But one that was fitted so is shifted.
+        let (shift_n, variance_n2) = sag.shift(&slips_to_low, true);
+        assert!(shift_n > 25.0 && variance_n2 < 25.0, "{shift_n} {variance_n2}");
     }
 
     #[test]
     fn one_rest_is_an_uncertainty_and_none_is_nothing() {
         let mut sag = Sag::default();
-        assert_eq!(sag.shift(&cycle()), (0.0, 0.0));
+        assert_eq!(sag.shift(&cycle(), false), (0.0, 0.0));
         sag.learn(&rest(226.0, &CABLE), &CABLE);
-        let (shift_n, variance_n2) = sag.shift(&cycle());
+        let (shift_n, variance_n2) = sag.shift(&cycle(), false);
         assert!(shift_n.abs() < 1e-6 && variance_n2 > 25.0, "{shift_n} {variance_n2}");
         assert!(!sag.elongation(226.0).sags() && sag.parameter().is_none());
     }

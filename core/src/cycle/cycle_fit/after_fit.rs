@@ -1,7 +1,7 @@
 //! The steps after an event's fit, one per call: judge the misfit of its samples, update the
 //! expectations of the next events, and test its residuals for force terms that the fit lacks.
 
-use crate::cycle::cable::relax;
+use crate::cycle::cable::{dynamic_n, relax};
 use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Outcome, Terms};
 use crate::cycle::expectations::{Expectations, is_strained, own_residuals};
 use crate::cycle::slip_record::{SURE, UNSURE};
@@ -125,9 +125,10 @@ impl CycleFit {
             self.stage = FitStage::Failed(Reason::LetGo);
             return;
         }
-        *alone = fit.forces_alone(data.rate).filter(|_| is_resolved);
+        *alone = fit.forces_alone(self.rate).filter(|_| is_resolved);
         let strained = is_resolved && self.strain != Strain::None;
-        *verdict = learnt.learn(&data, posterior, noise_n2, (strained, self.excess));
+        let dynamic_n = dynamic_n(&slip.elongation, posterior);
+        *verdict = learnt.learn(&data, posterior, dynamic_n, noise_n2, (strained, self.excess));
         if slip.wander.is_disputed() {
             let teaches = *verdict == Verdict::Same && is_resolved && !strained;
             let lines = (&slip.oscillation, &self.oscillation);

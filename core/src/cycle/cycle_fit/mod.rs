@@ -30,6 +30,7 @@ use crate::noise::sinusoid::{self, Sinusoid};
 use crate::num::math::{larger, smaller};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
+use crate::stats::prior::Prior;
 
 /// Number of waiting samples from which on no more places of an onset are tried: the remaining
 /// steps still have time.
@@ -50,10 +51,12 @@ pub(crate) struct CycleFit {
     /// The oscillation about `after`, if the noise is an oscillation.
     oscillation: Sinusoid,
     stage: FitStage,
-    /// The event's priors, the same from the beginning of the fit to its end.
+    /// The event's priors: the same from the beginning of the fit to its end, and adapted to the
+    /// noise by then where the onset is averaged.
     expected: Expected,
-    /// The fit, once it has converged.
+    /// The fit, once it has converged, and the prior of the rate in its normal equations.
     fit: Fit,
+    rate: Prior,
     /// Misfit of the samples around the slip, and the factor by which it multiplied the variances.
     strain: Strain,
     excess: f32,
@@ -134,6 +137,7 @@ impl CycleFit {
             stage: FitStage::New,
             expected: Expected::default(),
             fit: Fit::default(),
+            rate: Prior::default(),
             strain: Strain::None,
             excess: 1.0,
             measured: Measured::default(),
@@ -191,8 +195,12 @@ impl CycleFit {
             FitStage::Expected(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Places(_) => 10 + self.expected.pass(&self.slip),
             FitStage::Fitted => 27 + 5 * (self.slip.fall() as usize).min(8),
-            // More with an oscillation about the lines, whose source is then estimated.
-            FitStage::Learning => 22 + if self.slip.wander.is_disputed() { 6 } else { 0 },
+            // More with an oscillation about the lines, whose source is then estimated, or with a
+            // cable that sags, whose elongation is converted back.
+            FitStage::Learning => {
+                let SlipRecord { wander, elongation, .. } = &self.slip;
+                22 + if wander.is_disputed() || elongation.sags() { 6 } else { 0 }
+            }
             FitStage::Alone(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Asked(Terms::Widen, .., next) => {
                 12 + (samples + 2 - next).min(LEVELS_A_STEP) * 3 / 2
@@ -258,7 +266,7 @@ impl CycleFit {
             self.stage = FitStage::Failed(Reason::NoFit);
             return;
         };
-        self.fit = *fit;
+        (self.fit, self.rate) = (*fit, self.expected.rate);
         self.stage = slip.hidden.map_or(FitStage::Fitted, FitStage::Failed);
     }
 

@@ -121,7 +121,7 @@ impl Mass {
         let off = self.off(evidence);
         let forces = 1.0 + off;
         // The swing excludes the mass that the force implies: then the friction has changed.
-        let is_friction = evidence.excludes(self.inverse_omega.prior(1.0), forces);
+        let is_friction = evidence.excludes(self.usual().prior(1.0), forces);
         self.doubt = if is_friction { 0.0 } else { off };
         match self.state {
             State::Trial(_) => Verdict::Suspect,
@@ -156,6 +156,8 @@ impl Mass {
             (if evidence.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
         } else if evidence.explains(before, self.dynamic_n) {
             self.start(Some(before));
+            // The mass explains the force.
+            self.doubt = 0.0;
             (Verdict::Mass, State::Steady)
         } else if odd >= if evidence.inverse_omega.is_some() { ODD } else { SILENT } {
             self.start(None);
@@ -185,8 +187,9 @@ impl Mass {
             self.dynamic_n = self.since.dynamic_n_or(self.dynamic_n);
             return Some(verdict);
         }
-        // An `Fp` that another weight may have caused does not enter the mean.
-        if self.doubt.abs() <= 0.0 {
+        // An `Fp` that another weight may have caused does not enter the mean; the first one after a
+        // change begins it anew.
+        if self.doubt.abs() <= 0.0 || self.seen == 1 {
             let share = 1.0 / self.seen.clamp(1, 8) as f32;
             let off_n = evidence.dynamic_n - self.dynamic_n;
             self.dynamic_n += share * off_n;
@@ -242,6 +245,10 @@ mod tests {
         assert_eq!(verdicts.iter().filter(|&&verdict| verdict == Verdict::Same).count(), 28);
         let (ratio, std) = mass.weight_ratio_and_std();
         assert!((ratio / 0.6667 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
+        // Its second event is no outlier of the new weight, and begins the new mean of `Fp`.
+        let second = taken::<14>(core::array::from_fn(|i| swings[i])).0;
+        let (_, std) = second.weight_ratio_and_std();
+        assert!(std < 0.02 && (second.dynamic_n / 238.0 - 1.0).abs() < 0.01, "{second:?}");
     }
 
     #[test]
@@ -263,6 +270,10 @@ mod tests {
         assert_eq!((verdicts[12], verdicts[13]), (Verdict::Suspect, Verdict::Same));
         assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
         assert!((mass.inverse_omega().mean().unwrap() - 0.845).abs() < 0.003);
+        // A swing as before it excludes another weight in the event after it as well.
+        let (mut slippery, swing) = (in_doubt, 0.845);
+        assert_eq!(slippery.judge(&measured(2, swing, 0.004, 250.0)), Verdict::Same);
+        assert_eq!(slippery.weight_ratio_and_std(), (1.0, 0.0));
     }
 
     #[test]
@@ -291,7 +302,11 @@ mod tests {
             let mut mass = Mass::default();
             (0..30).for_each(|i| assert_eq!(mass.learn(&measured(i, 0.845, 0.02, 490.0)), None));
             assert!(mass.try_weight(490.0));
-            let ended = (0..60).find_map(|i| mass.learn(&measured(i, inverse_omega, 0.02, 327.0)));
+            let ended = (0..60).find_map(|i| {
+                let evidence = measured(i, inverse_omega, 0.02, 327.0);
+                assert_eq!(mass.judge(&evidence), Verdict::Suspect);
+                mass.learn(&evidence)
+            });
             assert_eq!(ended, Some(expected));
             let (ratio, std) = mass.weight_ratio_and_std();
             let truth = if expected == Verdict::Mass { 0.6667 } else { 1.0 };

@@ -27,7 +27,7 @@ impl Mass {
     pub(crate) fn leave_open(&mut self, dynamic_n: f32, before_n: f32) {
         let off = dynamic_n / before_n - 1.0;
         self.base.variance += off * off;
-        self.dynamic_n = dynamic_n;
+        (self.dynamic_n, self.doubt) = (dynamic_n, 0.0);
     }
 
     /// Is a trial under way?
@@ -72,6 +72,8 @@ impl Mass {
             self.before = None;
         }
         self.state = State::Steady;
+        // Decided, or from now on in the weight's own variance.
+        self.doubt = 0.0;
         Some(verdict)
     }
 
