@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use floe::sim::{Scene, simulate};
-use floe_core::{Effect, Effects, Pipeline};
+use floe_core::{Config, Effect, Effects, Pipeline};
 use floe_tests::score::{self, rms};
 use floe_tests::{both, feed, scenes};
 
@@ -120,4 +120,32 @@ fn what_is_found_has_numbers() {
         }
     }
     assert_eq!(seen.with(Effect::Level, true), Effects::COMPILED, "{seen:?}");
+}
+
+/// An effect needs no other to be found: looked for alone, it is found in a scene that has it.
+#[test]
+fn each_is_found_alone() {
+    for (effect, name) in [
+        (Effect::Corner, "hard/creep"),
+        (Effect::Sag, "hard/sag_flop"),
+        (Effect::Stiffening, "hard/shortening"),
+        (Effect::Mass, "hard/breaking"),
+        (Effect::Drift, "hard/drift"),
+        (Effect::Flop, "hard/flop"),
+        (Effect::Ripple, "hard/ripple"),
+        (Effect::Damping, "honesty/damping_5"),
+        (Effect::Onset, "honesty/falling"),
+        (Effect::Scatter, "honesty/jitter_10"),
+    ] {
+        let scene = scenes::stored(name);
+        let effects = Effects::NONE.with(effect, true);
+        let config = Config { effects, ..both::config(&scene) };
+        let mut pipeline = Pipeline::new(&config).expect("a scene");
+        let samples = simulate(&scene, 1).expect("a scene").samples;
+        let found = samples.iter().any(|sample| {
+            let _ = pipeline.step(feed::force(sample.index, sample.force_n));
+            pipeline.report().found.has(effect)
+        });
+        assert!(found, "{effect} in {name}");
+    }
 }
