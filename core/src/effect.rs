@@ -18,7 +18,8 @@ pub enum Effect {
     /// Creep before the onset, and a converter that averages over part of a period, round off the
     /// corners between stick line and slip.
     Corner,
-    /// A sagging cable is softer at small forces.
+    /// A sagging cable is softer at small forces. It is looked for only where `ripple` is compiled
+    /// in, whose statistics tell that all rests bend the same way.
     Sag,
     /// A cable that gets shorter gets stiffer while the block slides.
     Stiffening,

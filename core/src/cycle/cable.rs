@@ -19,12 +19,10 @@ const FEWEST: u32 = 8;
 
 impl Ended {
     /// Can the rest determine the sag of the cable? It has a line of enough samples, and either an
-    /// earlier rest was used, or the slip after it is long enough and all rests bend the same way, as
-    /// far as the ripple, which knows that, is looked for.
+    /// earlier rest was used, or the slip after it is long enough and all rests bend the same way.
     pub(super) fn may_sag(&self, learnt: &Expectations, detector: &Detector) -> bool {
         let is_line = !self.stick.broken && self.stick.line.count >= FEWEST;
-        let bends = || !learnt.effects.has(Effect::Ripple) || detector.wander().bends;
-        let asks = || self.fall() >= SHORTEST_FALL && bends();
+        let asks = || self.fall() >= SHORTEST_FALL && detector.bends();
         learnt.effects.has(Effect::Sag) && is_line && (learnt.sag.read(Sag::has_begun) || asks())
     }
 }

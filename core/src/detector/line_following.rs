@@ -140,7 +140,7 @@ impl Detector {
             if relative.abs() > OFF_LINE * self.line_std_n {
                 return self.strike(sample.index, relative);
             }
-            if self.effects.has(Effect::Ripple) {
+            if self.effects.has(Effect::Ripple) || self.effects.has(Effect::Sag) {
                 self.ripple.update(|ripple| ripple.add(relative, weight));
             }
         }

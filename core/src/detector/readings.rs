@@ -65,6 +65,16 @@ impl Detector {
     /// Colored noise: how the force departs from a straight stick line beyond white noise.
     #[must_use]
     pub(crate) fn wander(&self) -> ColoredNoise {
+        if self.effects.has(Effect::Ripple) { self.colored() } else { ColoredNoise::NONE }
+    }
+
+    /// Do all rests bend the same way?
+    #[must_use]
+    pub(crate) fn bends(&self) -> bool {
+        self.colored().bends
+    }
+
+    fn colored(&self) -> ColoredNoise {
         self.ripple.get().map_or(ColoredNoise::NONE, Ripple::wander)
     }
 
