@@ -129,7 +129,7 @@ impl Correlation {
 
     /// Factor by which the variance of the mean exceeds that of independent values, 1 or more:
     /// `I = 1 + 2 Σ ρ_k` over the `K` lags up to the first one whose correlation is not significant
-    /// (Geyer's initial positive sequence, cut at one and a half standard errors), and at most up
+    /// (Geyer's initial positive sequence, cut at one standard error), and at most up
     /// to a quarter of the number of values.
     ///
     /// The mean is that of the values themselves: it removes `I/n` of their variance, and as much
@@ -143,7 +143,7 @@ impl Correlation {
         }
         let count = self.count as f32;
         let longest = (self.count as usize / 4).min(LAGS);
-        let least = 1.5 / math::sqrt(count);
+        let least = 1.0 / math::sqrt(count);
         let (mut missing, mut sum) = (0.0, 0.0);
         for lag in 1..longest + 1 {
             let covariance = self.covariance(lag, mean).unwrap_or_default();

@@ -213,11 +213,11 @@ impl Estimator {
 
     /// Factor on the variance of the mean for the correlation of the events: as estimated, from
     /// thirty events on, but at least that of neighbours which share one of their two stick lines.
-    /// Their correlation is a fifth of the noise's share of the variance: tuned, so that the means
+    /// Their correlation is a sixth of the noise's share of the variance: tuned, so that the means
     /// of 400 tests scatter as they say (`means` among the examples of the tests).
     fn inflation(&self, noise_share: f32) -> f32 {
         const ENOUGH: u32 = 30;
-        const NEIGHBOURS: f32 = 0.22;
+        const NEIGHBOURS: f32 = 0.18;
         let shared_line = if self.count > 1 { 1.0 + 2.0 * NEIGHBOURS * noise_share } else { 1.0 };
         if self.count < ENOUGH {
             return shared_line;
