@@ -95,7 +95,7 @@ fn batch(events: &[Coefficient]) -> [f64; 3] {
     // Variance of Σ c_i x_i with c_i = λ w_i / Σ w + (1 − λ) / n.
     let share = |e: &Coefficient| lambda / (variance(e) * weights) + (1.0 - lambda) / n;
     let independent = sum(&|e| share(e).powi(2) * (variance(e) + between));
-    let shared_line = if events.len() > 1 { 1.0 + 0.44 * lambda } else { 1.0 };
+    let shared_line = if events.len() > 1 { 1.0 + 0.36 * lambda } else { 1.0 };
     let inflation = if events.len() >= 30 && squares > 0.0 {
         wandering(events, plain, squares / n).max(shared_line)
     } else {
@@ -105,7 +105,7 @@ fn batch(events: &[Coefficient]) -> [f64; 3] {
     [mean, (independent * inflation).sqrt(), between.sqrt()]
 }
 
-/// `1 + 2 Σ ρ_k` over the lags up to the first whose correlation is within 1.5 standard errors of
+/// `1 + 2 Σ ρ_k` over the lags up to the first whose correlation is within one standard error of
 /// zero, corrected for the effect of the estimated mean on variance and covariances.
 fn wandering(events: &[Coefficient], mean: f64, variance: f64) -> f64 {
     let n = events.len();
@@ -116,7 +116,7 @@ fn wandering(events: &[Coefficient], mean: f64, variance: f64) -> f64 {
     };
     let lags = 1..=(n / 4).min(floe_core::estimator::LAGS);
     let n = n as f64;
-    let seen: Vec<f64> = lags.map(correlation).take_while(|c| *c > 1.5 / n.sqrt()).collect();
+    let seen: Vec<f64> = lags.map(correlation).take_while(|c| *c > 1.0 / n.sqrt()).collect();
     let (sum, missing) = (seen.iter().sum::<f64>(), seen.iter().map(|c| 1.0 - c).sum::<f64>());
     let inflation = (1.0 + 2.0 * sum) / (1.0 - 2.0 * missing / n);
     inflation * (n - 1.0) / (n - inflation.min(0.5 * n))
