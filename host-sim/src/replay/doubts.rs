@@ -23,6 +23,7 @@ pub fn doubts(
 ) -> Vec<String> {
     let doubts = [
         no_friction(log, config, report),
+        choice(report),
         alias(log, config, report),
         // A cable that sags has two stiffnesses.
         other_stiffness(config, report).filter(|_| !sags),
@@ -92,6 +93,17 @@ fn other_stiffness(config: &Config, report: &Report) -> Option<String> {
     Some(format!(
         "the stiffness from the winch speed is {ratio} of that from omega and the weight: {suspects}"
     ))
+}
+
+/// Most events have no coefficients: the cause may depend on their friction.
+fn choice(report: &Report) -> Option<String> {
+    let (all, read) = (report.events, report.mu_s.or(report.mu)?.events);
+    (2 * read < all).then(|| {
+        format!(
+            "{read} of {all} events have coefficients: the means are those of a choice, and the friction \
+             of the others may be another"
+        )
+    })
 }
 
 /// Slips that may be aliases of faster ones, where the speed of the winch is not known.

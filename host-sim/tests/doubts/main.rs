@@ -97,6 +97,23 @@ fn slips_that_are_no_ellipses_accuse_no_input() {
     }
 }
 
+/// Where rests are brief, only slips with a large drop have coefficients: not those of all slips.
+#[test]
+fn means_of_a_choice_are_called_so() {
+    let dir = directory("choice");
+    let (scene, log) = (dir.join("choice.toml"), dir.join("choice.csv"));
+    let brief = "duration_s = 20.0\nweight_n = 12500.0\nmu_s = 0.42\nmu = 0.28\n\
+                 stiffness_n_per_m = 472000.0\nwinch_m_per_s = 0.1255\n\
+                 [variation]\nmu_s_fraction = 0.1\nmu_fraction = 0.02\n[measurement]\nwhite_n = 10.0\n";
+    fs::write(&scene, brief).unwrap();
+    let (scene, log) = (scene.to_str().unwrap(), log.to_str().unwrap());
+    assert_eq!(floe(&["simulate", scene, "-o", log]).status.code(), Some(0));
+    let said = json_with_warnings(&floe(&["replay", log, "--json"]));
+    assert!(said.contains("events have coefficients: the means are those of a choice"), "{said}");
+    let all = json_with_warnings(&floe(&["replay", "logs/fig6-7.csv", "--json"]));
+    assert!(!all.contains("of a choice"), "{all}");
+}
+
 /// A slip every few samples may be an alias of faster slips: only the speed of the winch decides.
 #[test]
 fn fast_slips_without_the_speed_of_the_winch_are_asked_about() {
