@@ -34,7 +34,7 @@ fn scatter(scene: &mut Scene, fraction: f64) {
 }
 
 /// Name of a class, text in its scene file, and its replacement by another strength, place or time.
-const STRENGTHS: [(&str, &str, &str); 75] = [
+const STRENGTHS: [(&str, &str, &str); 77] = [
     ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[2.0, 0.0], [22.0, 1.0]]"),
     ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[0.8, 0.0], [60.8, 1.0]]"),
     ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[1.2, 0.0], [6.2, 1.0]]"),
@@ -102,6 +102,8 @@ const STRENGTHS: [(&str, &str, &str); 75] = [
     ("slack", "mu = 0.4", "mu = 0.48"),
     ("winding_back", "[9.5, 1.0]", "[10.0, 1.0]"),
     ("winding_back", "[9.0, -1.0], [9.5, 1.0]", "[9.0, -0.3], [10.0, 1.0]"),
+    ("hand_released", "[0.0, 1.0], [1.0, -50.0], [1.02,", "[0.0, 0.16], [6.4, -10.24], [6.5,"),
+    ("hand_released", "[0.0, 1.0], [1.0, -50.0], [1.02,", "[0.0, 0.16], [7.9, -21.07], [7.96,"),
     ("falling", "per_decade = -0.05", "per_decade = -0.1"),
     ("falling", "per_decade = -0.05", "per_decade = -0.02"),
     ("stribeck", "falling_m_per_s = 0.01", "falling_m_per_s = 0.003"),

@@ -10,6 +10,7 @@ use floe_tests::feed;
 use floe_tests::normal::Normal;
 use floe_tests::score;
 
+mod back;
 mod hand;
 mod hum;
 mod order;

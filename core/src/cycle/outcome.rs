@@ -146,13 +146,15 @@ impl CycleTracker {
         let rests = (2.0 * drop.0 - least * rate.0, 4.0 * drop.1 + least * least * rate.1);
         let shown = if agrees_with_winch { drop } else { rests };
         // Without a positive loading rate nothing slips.
-        let unsure = !refusal::is_no_chance(rate) || !refusal::is_no_chance(shown);
+        let unsure = !refusal::is_no_chance(rate)
+            || !refusal::is_no_chance(shown)
+            || own.is_low(!is_fast && cycle.is_taut());
         if !is_fast {
             return Belief { folded, unsure, ..Belief::default() };
         }
         let determines = posterior.determines_swing(unknowns[4]);
         let folded = folded || (determines && own.is_folded(periods));
-        Belief { folded, agrees_with_winch, unsure: unsure || own.is_low() }
+        Belief { folded, agrees_with_winch, unsure }
     }
 
     /// The event with its coefficients, and with omega where the slip is resolved.

@@ -4,9 +4,9 @@
 //!
 //! ```text
 //!        iterations                                  a step each
-//! New ──► Free ──► Expected ──► Fitted ──► Learning ──► Alone ──► Asked ──► Done
-//!                                  └► Places ┘  hardly resolved: averaged over the onset
-//!  └──────────────────┴─► Failed    without a fit
+//! New ──► Free ──► Expected ──► Converged ──► Fitted ──► Learning ──► Alone ──► Asked ──► Done
+//!  │                  │             │            └► Places ┘  hardly resolved: averaged over the onset
+//!  └──────────────────┴─────────────┴─► Failed    without a fit
 //! ```
 
 mod after_fit;
@@ -16,6 +16,7 @@ use core::ops::ControlFlow;
 use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::expected::Expected;
+use crate::cycle::refusal;
 use crate::cycle::slip_record::{SHORTEST_FALL, SlipRecord};
 use crate::detector::{MOST_PUT_OFF, Stick};
 use crate::effect::Kept;
@@ -79,7 +80,9 @@ enum FitStage {
     Free(Fitting),
     /// Being fitted with the priors.
     Expected(Fitting),
-    /// Fitted; the misfit of the samples is still to be judged.
+    /// Fitted; the samples are still to be compared with straight lines.
+    Converged,
+    /// The misfit of the samples is still to be judged.
     Fitted,
     /// Being averaged over places of the onset.
     Places(OverOnset),
@@ -169,6 +172,11 @@ impl CycleFit {
             FitStage::New => self.start(learnt),
             FitStage::Free(_) => self.free(learnt),
             FitStage::Expected(_) => self.expected(learnt),
+            FitStage::Converged => {
+                let wound_back = refusal::is_angular(&self.slip, &self.fit.shape, &self.after);
+                let failed = wound_back.then_some(FitStage::Failed(Reason::WoundBack));
+                self.stage = failed.unwrap_or(FitStage::Fitted);
+            }
             FitStage::Fitted => self.judge(learnt),
             FitStage::Places(_) => self.place(waiting > NO_PLACES),
             FitStage::Learning => self.learn(learnt),
@@ -194,6 +202,7 @@ impl CycleFit {
             FitStage::Free(_) => 34 + self.expected.pass(&self.slip),
             FitStage::Expected(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Places(_) => 10 + self.expected.pass(&self.slip),
+            FitStage::Converged => 40,
             FitStage::Fitted => 27 + 5 * (self.slip.fall() as usize).min(8),
             // More with an oscillation about the lines, whose source is then estimated, or with a
             // cable that sags, whose elongation is converted back.
@@ -267,7 +276,9 @@ impl CycleFit {
             return;
         };
         (self.fit, self.rate) = (*fit, self.expected.rate);
-        self.stage = slip.hidden.map_or(FitStage::Fitted, FitStage::Failed);
+        let shapely = refusal::is_shapely(slip);
+        let next = if shapely { FitStage::Converged } else { FitStage::Fitted };
+        self.stage = slip.hidden.map_or(next, FitStage::Failed);
     }
 
     /// Fits the next place of the onset; ends if it is `late`, or if as many places were tried as

@@ -2,29 +2,25 @@
 
 use crate::cycle::slip_record::SlipRecord;
 use crate::fit::rounding_n2;
-use crate::num::math::{self, larger};
+use crate::model::Shape;
+use crate::num::math::{self, larger, smaller};
 use crate::stats::line::Line;
 
 /// Largest residual variance of an even fall about its line, in units of the noise variance, which
 /// may come from few samples. Tuned: with 5 a fall of `winding_back` is taken for a slip, with 20
 /// no class of `docs/honesty.md` changes.
 const EVEN: f32 = 10.0;
-/// Shortest fall that is tested, periods: its three inner samples can depart from a line.
-const SHORTEST: f32 = 4.0;
 /// Fall, periods, above which only the steep middle is tested. A choice: with 8 or 18 no class of
 /// `docs/honesty.md` changes.
 const LONGEST: f32 = 12.0;
 /// Shortest steep middle that is tested, periods.
 const SHAPELY_PERIODS: f32 = 6.0;
-/// Fewest samples of a fall that distinguish half a cosine from a line.
+/// Fewest samples of a fall that distinguish half a cosine from a line. Tuned: with three, true
+/// slips are refused where the cell lags.
 const SHAPELY: u32 = 4;
 /// Threshold of twice the log-likelihood ratio of line and half cosine: by how many noise variances
-/// the squared residuals of the cosine are larger. A choice: with half or twice as much no class
-/// changes.
+/// the squared residuals of the slip are larger. A choice.
 const LIKELIER: f32 = 12.0;
-/// Least ratio of the difference of squared residuals, cosine less line, to those of the line. A
-/// choice: with 1.2 or 4 no class changes.
-const FURTHER: f32 = 2.0;
 /// An even fall is slower than this part of the steepest fall of a slip from sample to sample.
 /// Tuned: a slip on a coarse clock reaches nine tenths.
 const SLOW: f32 = 0.85;
@@ -33,38 +29,47 @@ const SLOW: f32 = 0.85;
 const SURELY: f32 = 5.0;
 
 /// Does the force fall evenly, as when the winch turns back? Its samples then lie on a straight
-/// line within the noise. In addition, where the swing is known, the line falls more slowly than a
-/// slip with that swing would; where it is unknown, half a cosine from the highest to the lowest
-/// sample fits significantly worse than the line. Of a long fall the steep middle is tested, and
-/// either condition is enough.
+/// line within the noise, and, where the swing is known, the line falls more slowly than a slip
+/// with that swing would. The steep middle of a long fall is even as well if a line is likelier for
+/// it than half a cosine. Other falls are fitted first, see [`is_angular`].
 pub(super) fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
-    let (peak, low) = slip.extremes();
-    if low - peak < SHORTEST {
+    // The highest sample of a long fall may lie anywhere on a slow rest; the edges do not.
+    let is_long = slip.fall() > LONGEST;
+    let (from, to) = if is_long { slip.fall_edges() } else { slip.steep() };
+    let (straight, cosine) = lines(slip, (from, to), slip.edge_angle());
+    let noise_n2 = noise_n2(slip, after);
+    // False for NaN as well.
+    let is_straight = own_n2(&straight) < EVEN * noise_n2;
+    let is_slow = |swing| is_slow(slip, swing, &straight, noise_n2);
+    (is_straight && swing.is_some_and(is_slow))
+        || (is_long && to - from >= SHAPELY_PERIODS && is_likelier(&straight, &cosine))
+}
+
+/// May a fall have enough inner samples for [`is_angular`]? Long falls are judged before the fit.
+pub(crate) fn is_shapely(slip: &SlipRecord) -> bool {
+    let fall = slip.fall();
+    fall > SHAPELY as f32 && fall <= LONGEST
+}
+
+/// Does the slip that was fitted describe the samples significantly worse than its two stick lines
+/// with a straight line between them, through the steep fall?
+pub(crate) fn is_angular(slip: &SlipRecord, shape: &Shape, after: &Line) -> bool {
+    let (straight, _) = lines(slip, slip.steep(), 0.0);
+    let noise_n2 = noise_n2(slip, after);
+    if straight.count < SHAPELY || own_n2(&straight) > EVEN * noise_n2 {
         return false;
     }
-    // The highest sample of a long fall may lie anywhere on a slow rest; the edges do not.
-    let is_long = low - peak > LONGEST;
-    let edges = slip.fall_edges();
-    let (straight, cosine) = if is_long {
-        lines(slip, edges, slip.edge_angle(), edges)
-    } else {
-        lines(slip, slip.steep(), 0.0, (peak, low))
-    };
-    let off_n2 = straight.residual();
-    let own_n2 = off_n2 / (straight.count as f32 - 2.0);
-    let noise_n2 = larger(slip.line_noise_n2(after), rounding_n2(slip.peak.force_n));
-    // False for NaN as well.
-    let is_straight = own_n2 < EVEN * noise_n2;
-    if swing.is_some_and(|swing| is_straight && is_slow(slip, swing, &straight, noise_n2)) {
-        return true;
+    let fall_n = straight.slope().unwrap_or(0.0);
+    let mut further_n2 = 0.0;
+    for (time, force_n) in slip.samples().good() {
+        let since_onset = time - shape.cycle().onset;
+        let even_n = smaller(shape.before(since_onset).0, straight.at(time, fall_n));
+        // A cable does not push.
+        let off_n = force_n - larger(larger(even_n, shape.after(since_onset).0), 0.0);
+        let fitted_n = force_n - shape.force(time).0;
+        further_n2 += fitted_n * fitted_n - off_n * off_n;
     }
-    if is_long {
-        return edges.1 - edges.0 >= SHAPELY_PERIODS && is_likelier(&straight, &cosine);
-    }
-    let further_n2 = cosine.residual() - off_n2;
-    let is_clear = further_n2 > LIKELIER * larger(own_n2, noise_n2);
-    let is_shapely = straight.count >= SHAPELY && further_n2 > FURTHER * off_n2;
-    swing.is_none() && is_straight && is_shapely && is_clear
+    further_n2 > LIKELIER * noise_n2
 }
 
 /// Is a line significantly likelier than half a cosine, for an unknown noise variance?
@@ -75,18 +80,13 @@ fn is_likelier(straight: &Line, cosine: &Line) -> bool {
 }
 
 /// Least-squares lines of the force between two times: over time, and over the cosine of an angle
-/// that runs linearly from `angle` at `from` to `π − angle` at `to`.
+/// that runs linearly from `angle` to `π − angle`.
 #[inline(never)]
-fn lines(
-    slip: &SlipRecord,
-    (first, last): (f32, f32),
-    angle: f32,
-    (from, to): (f32, f32),
-) -> (Line, Line) {
+fn lines(slip: &SlipRecord, (from, to): (f32, f32), angle: f32) -> (Line, Line) {
     let turn = (core::f32::consts::PI - 2.0 * angle) / (to - from);
     let (mut straight, mut cosine) = (Line::default(), Line::default());
     for (time, force_n) in slip.samples().good() {
-        if time >= first && time <= last {
+        if time >= from && time <= to {
             straight.add(time, force_n, 1.0, 1.0);
             cosine.add(math::sin_cos(angle + turn * (time - from)).1, force_n, 1.0, 1.0);
         }
@@ -94,10 +94,20 @@ fn lines(
     (straight, cosine)
 }
 
+/// Variance of the noise about the stick lines, N².
+fn noise_n2(slip: &SlipRecord, after: &Line) -> f32 {
+    larger(slip.line_noise_n2(after), rounding_n2(slip.peak.force_n))
+}
+
+/// Variance of the samples about their own line, N²; NaN for two samples.
+fn own_n2(straight: &Line) -> f32 {
+    straight.residual() / (straight.count as f32 - 2.0)
+}
+
 /// Is a straight fall slower than a slip with this swing `s`, periods? Wherever the samples lie,
 /// such a slip falls at least once from one sample to the next by `sin(1/s)` times half its drop.
 fn is_slow(slip: &SlipRecord, swing: f32, straight: &Line, noise_n2: f32) -> bool {
-    let angle = math::smaller(1.0 / swing, core::f32::consts::FRAC_PI_2);
+    let angle = smaller(1.0 / swing, core::f32::consts::FRAC_PI_2);
     let part = 0.5 * math::sin_cos(angle).0;
     let drop_n = slip.peak.force_n - slip.low.force_n;
     let variance_n2 = noise_n2 * (2.0 * part * part + 1.0 / straight.slope_weight());

@@ -13,6 +13,7 @@ use crate::event::{Event, Reason};
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
+pub(super) use even_fall::{is_angular, is_shapely};
 pub(super) use recurrence::{FAST, Recurrence};
 pub(super) use slackness::Slackness;
 pub(super) use stiffness::RootStiffnessRatio;
