@@ -105,7 +105,7 @@ impl CycleTracker {
             limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
         let Belief { folded, agrees_with_winch, unsure } =
-            fit.map(|posterior| self.of_fit(posterior, slip.limit)).unwrap_or_default();
+            fit.map(|posterior| self.of_fit(posterior, slip)).unwrap_or_default();
         // Without a stick line, a slack cable that loads within two samples shows no loading rate.
         let is_steep = |it: &Posterior| 2.0 * it.cycle.rate > it.cycle.static_n;
         let has_line = slip.before.count + after.count > 0;
@@ -126,13 +126,13 @@ impl CycleTracker {
         reason.or(doubtful.then_some(why))
     }
 
-    /// Evidence for and against a fit; the next slip is at the time `next`, periods.
-    fn of_fit(&self, posterior: &Posterior, next: f32) -> Belief {
+    /// Evidence for and against a fit.
+    fn of_fit(&self, posterior: &Posterior, slip: &SlipRecord) -> Belief {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
         // Decided by the mean swing of all events, not by that of a single one.
-        let periods = next - cycle.onset;
+        let periods = slip.limit - cycle.onset;
         let folded =
             learnt.knows_omega() && RootStiffnessRatio::new(&site, rate, swing).is_folded(periods);
         let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
@@ -148,7 +148,7 @@ impl CycleTracker {
         // Without a positive loading rate nothing slips.
         let unsure = !refusal::is_no_chance(rate)
             || !refusal::is_no_chance(shown)
-            || own.is_low(!is_fast && cycle.is_taut());
+            || ((is_fast || slip.reaches_zero(cycle.rate)) && own.is_low());
         if !is_fast {
             return Belief { folded, unsure, ..Belief::default() };
         }

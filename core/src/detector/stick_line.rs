@@ -23,6 +23,8 @@ pub(crate) struct Stick {
     pub(super) line_origin: u32,
     /// The initial line, before it was begun anew; `None` if it was not.
     first: Option<Line>,
+    /// How many times the line has begun anew.
+    pub(super) renewals: u8,
     /// The loading rate has changed: the winch paused, or turned at another speed.
     pub(crate) broken: bool,
     /// Next index to be taken into the line.

@@ -11,9 +11,6 @@ const STIFFER: f32 = 2.0;
 /// Ratio of the stiffnesses below which no error of weight or winch speed explains it: both are
 /// known better than to a half.
 const SOFTER: f32 = 2.0 / 3.0;
-/// The same where the next slip is far and the cable stays taut: both lines are seen, and a winch
-/// may run at half the speed given.
-const FAR_SOFTER: f32 = 0.45;
 /// Limits of the root of the ratio within which the ratio counts as one: within about 20 %.
 const CLOSE: (f32, f32) = (0.9, 1.11);
 /// Standard errors by which the root has to be beyond a limit, where the true ratio is far beyond.
@@ -55,10 +52,9 @@ impl RootStiffnessRatio {
 
     /// Is the loading rate significantly too low for the swing? A winch of known speed loads the
     /// cable at `ω² M w`; at two thirds of that the fit has found another slip than the one in the
-    /// samples, which happens with few of them, or a hand has let the cable go. `is_seen`: both lines
-    /// are seen.
-    pub(crate) fn is_low(self, is_seen: bool) -> bool {
-        self.most * self.most < if is_seen { FAR_SOFTER } else { SOFTER }
+    /// samples, which happens with few of them, or a hand has let the cable go.
+    pub(crate) fn is_low(self) -> bool {
+        self.most * self.most < SOFTER
     }
 }
 
@@ -101,7 +97,7 @@ mod tests {
             let got = (seen.is_folded(29.0), seen.is_one());
             assert_eq!(got, (folded, is_one), "{stretched} ± {std}");
             let unknown = limits(f32::NAN, stretched, std);
-            assert!(!unknown.is_folded(29.0) && !unknown.is_one() && !unknown.is_low(false));
+            assert!(!unknown.is_folded(29.0) && !unknown.is_one() && !unknown.is_low());
         }
     }
 }

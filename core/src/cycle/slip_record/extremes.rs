@@ -208,7 +208,7 @@ impl SlipRecord {
     /// than a period from where the cable began to load at `rate`, N per period; noise and zero
     /// error add to that.
     #[inline(never)]
-    pub(super) fn reaches_zero(&self, rate: f32) -> bool {
+    pub(crate) fn reaches_zero(&self, rate: f32) -> bool {
         const PERIODS: f32 = 2.0;
         // Part of the highest force, for a zero error of the cell: missing the slack would be its
         // worst effect.
