@@ -6,7 +6,6 @@
 //! Sharing between events, the first answer and slack are no effects: the model has them always.
 
 use core::fmt;
-use core::ops::Deref;
 
 /// One effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,21 +119,6 @@ impl<T, const ROOM: usize> Kept<T, ROOM> {
     /// Result of changing the state; the default where there is none.
     pub(crate) fn update<R: Default>(&mut self, function: impl FnOnce(&mut T) -> R) -> R {
         self.0.first_mut().map_or_else(R::default, function)
-    }
-}
-
-/// A state whose value, where its effect is not compiled in, is known at compile time.
-pub(crate) trait Absent: Sized + 'static {
-    /// The value without the effect.
-    const ABSENT: &'static Self;
-}
-
-impl<T: Absent, const ROOM: usize> Deref for Kept<T, ROOM> {
-    type Target = T;
-
-    #[inline(always)]
-    fn deref(&self) -> &T {
-        self.get().unwrap_or(T::ABSENT)
     }
 }
 

@@ -50,9 +50,9 @@ impl Expectations {
     /// is another, as after a winch that took long to come up to speed. From [`CHANGED`] of them on
     /// the expectations no longer hold and are reset.
     pub(crate) fn contradict(&mut self, contradicts: bool) {
-        self.misfits = if contradicts { self.misfits + 1 } else { 0 };
-        if self.misfits == CHANGED {
-            self.misfits = 0;
+        self.contradictions = if contradicts { self.contradictions + 1 } else { 0 };
+        if self.contradictions == CHANGED {
+            self.contradictions = 0;
             [self.rate, self.rate_change] = [FadingTrend::default(); 2];
             self.mass.forget_all();
             self.corner = Kept::default();

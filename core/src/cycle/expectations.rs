@@ -36,7 +36,7 @@ pub(crate) struct Expectations {
     pub(crate) onset: Kept<Onset, { Effect::Onset.room() }>,
     pub(crate) oscillation: Kept<Oscillation, { Effect::Ripple.room() }>,
     /// Number of consecutive events that contradict the expectations.
-    pub(super) misfits: u8,
+    pub(super) contradictions: u8,
     /// Number of consecutive first events whose winch may have stood while the cable hung slack.
     pub(super) stood: u8,
     /// The residuals include samples with flop weights.

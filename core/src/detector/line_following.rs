@@ -28,10 +28,11 @@ const SECOND: i32 = FIRST + 1;
 const PAST_PROFILE: i32 = PROFILE + 1;
 
 /// Interval, samples, at which the usual drop is halved in a stick whose line begins anew again and
-/// again, or more than twice as long as the one before; a power of two. Tuned: a knock hides slips for as long, and no flop lasts as long.
+/// again, or more than twice as long as the one before; a power of two. Tuned: a knock hides slips
+/// for as long, and no flop lasts as long.
 const FORGET: i32 = 32;
-/// Least number of times that a line has begun anew if slips are to be unseen on it: at the beginning
-/// of each and at its end, and a winch that turned back once does as much.
+/// Least number of times that a line has begun anew if slips are to be unseen on it: at the
+/// beginning of each and at its end, and a winch that turned back once does as much.
 const RENEWED: u8 = 4;
 /// Lower limit of a halved usual drop, standard deviations of the noise: a slip that begins low on
 /// the line needs half of the usual drop.
@@ -112,9 +113,9 @@ impl Detector {
     }
 
     /// No slip for more than twice the length of the stick before, or on a line that has begun anew
-    /// again and again, as unseen slips make it: the usual drop may be that of a knock, or of the first slip of
-    /// a block that was frozen in. It is halved, down to [`LEAST_USUAL`] standard deviations of the
-    /// noise.
+    /// again and again, as unseen slips make it: the usual drop may be that of a knock, or of the
+    /// first slip of a block that was frozen in. It is halved, down to [`LEAST_USUAL`] standard
+    /// deviations of the noise.
     #[cold]
     #[inline(never)]
     fn forget_usual(&mut self) {
@@ -171,7 +172,6 @@ impl Detector {
         let start = (index + 1).saturating_sub(u32::from(NEW_LINE));
         stick.next = start;
         stick.start_line(start);
-        stick.renewals = stick.renewals.saturating_add(1);
         // A cable that flops leaves the line as well, at an unchanged rate.
         stick.broken = self.profile.get().is_none_or(FlopProfile::is_flat);
         // Earlier samples, a spike perhaps, are not the highest of this line.

@@ -64,6 +64,7 @@ impl Stick {
         self.first = Some(self.first_from(self.origin));
         self.strikes = 0;
         (self.line, self.line_origin) = (Line::default(), index);
+        self.renewals = self.renewals.saturating_add(1);
     }
 
     /// Drops a line that does not describe the force: only the last samples before the highest one

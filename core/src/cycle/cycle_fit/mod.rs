@@ -174,8 +174,8 @@ impl CycleFit {
             FitStage::Expected(_) => self.expected(learnt),
             FitStage::Converged => {
                 let wound_back = refusal::is_angular(&self.slip, &self.fit.shape, &self.after);
-                let failed = wound_back.then_some(FitStage::Failed(Reason::WoundBack));
-                self.stage = failed.unwrap_or(FitStage::Fitted);
+                let failed = FitStage::Failed(Reason::WoundBack);
+                self.stage = if wound_back { failed } else { FitStage::Fitted };
             }
             FitStage::Fitted => self.judge(learnt),
             FitStage::Places(_) => self.place(waiting > NO_PLACES),

@@ -1,6 +1,8 @@
 //! What the fits need to know of colored noise.
 
-use crate::effect::{Absent, Effect, Kept};
+use core::ops::Deref;
+
+use crate::effect::{Effect, Kept};
 use crate::num::math::larger;
 
 /// Departures of the force from its line; variances in units of that of the white noise.
@@ -25,11 +27,16 @@ pub(crate) struct ColoredNoise {
     pub creeps: bool,
 }
 
-/// Colored noise, where its effect is compiled in.
+/// Colored noise; where its effect is not compiled in, none, which is known at compile time.
 pub(crate) type Wander = Kept<ColoredNoise, { Effect::Ripple.room() }>;
 
-impl Absent for ColoredNoise {
-    const ABSENT: &'static Self = &Self::NONE;
+impl Deref for Wander {
+    type Target = ColoredNoise;
+
+    #[inline(always)]
+    fn deref(&self) -> &ColoredNoise {
+        self.get().unwrap_or(&ColoredNoise::NONE)
+    }
 }
 
 impl ColoredNoise {
