@@ -38,13 +38,14 @@ pub(super) fn relax(cable: &Elongation, posterior: &mut Posterior) -> (f32, f32)
     (cycle.static_n, cycle.half_drop_n) = (static_n, half_drop_n);
     cycle.rate *= at_onset;
     let (of_static, of_drop) = (at_onset * at_onset, mean * mean);
-    posterior.static_n2 *= of_static;
-    posterior.dynamic_n2 *= of_drop;
-    posterior.common_n2.0 *= of_static;
-    posterior.common_n2.1 *= of_drop;
-    posterior.unknowns[1] *= of_static;
-    posterior.unknowns[2] *= of_static;
-    posterior.unknowns[3] *= of_drop;
+    let [_, rate, static_n2, half_drop_n2, _, _, dynamic_n2] = &mut posterior.variances;
+    let (common_static_n2, common_dynamic_n2) = &mut posterior.common_n2;
+    for variance in [rate, static_n2, common_static_n2] {
+        *variance *= of_static;
+    }
+    for variance in [half_drop_n2, dynamic_n2, common_dynamic_n2] {
+        *variance *= of_drop;
+    }
     (at_onset, mean)
 }
 
@@ -61,7 +62,7 @@ impl CycleTracker {
     /// Updates the estimate of the sag with the rest before this slip; keeps the start of the next
     /// rest.
     pub(super) fn learn_sag(&mut self, slip: &SlipRecord, posterior: &Posterior, stop: f32) {
-        let Posterior { cycle, static_n2, dynamic_n2, .. } = posterior;
+        let (cycle, (static_n2, dynamic_n2)) = (&posterior.cycle, posterior.forces_n2());
         let rested = self.rested.take();
         if !self.site.effects.has(Effect::Sag) || !cycle.is_taut() || !posterior.is_resolved() {
             return;

@@ -84,7 +84,8 @@ impl CycleTracker {
         let mut common = (site.std(static_n2), site.std(dynamic_n2 + sag_n2));
         if !posterior.is_resolved() && !self.learnt.knows_omega() {
             // The length of the slip is then a guess with the same error in all events.
-            common = (site.std(posterior.static_n2), site.std(posterior.dynamic_n2));
+            let (static_n2, dynamic_n2) = posterior.forces_n2();
+            common = (site.std(static_n2), site.std(dynamic_n2));
         }
         Finished { event, alone, common, change }
     }

@@ -157,7 +157,7 @@ impl Expectations {
         // Root mean square of `t`, periods, for a uniform `t` within the four samples by which the
         // lines lag, `4/√3`.
         const BESIDE: f32 = 2.3;
-        let Posterior { cycle, unknowns: [.., variance], .. } = posterior;
+        let Posterior { cycle, variances: [.., variance, _], .. } = posterior;
         if slip.wander.level > 0.0 {
             return (0.0, 0.0);
         }
@@ -201,7 +201,7 @@ impl Expectations {
         noise_n2: f32,
         (strained, excess): (bool, f32),
     ) -> Verdict {
-        let Posterior { cycle, unknowns: [_, rate, _, _, inverse_omega, rate_change], .. } =
+        let Posterior { cycle, variances: [_, rate, _, _, inverse_omega, rate_change, _], .. } =
             *posterior;
         self.rate.forget();
         self.rate_change.forget();
@@ -300,7 +300,7 @@ fn expected(learnt: Prior, guess: f32, spread: f32, noise_n2: f32) -> Prior {
 /// observations less unknowns, each unknown counted as far as the event and not its prior
 /// determines it.
 pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
-    let (mut squares, mut unknowns) = (fit.cost() + data.after.residual(), UNKNOWNS as f32);
+    let (mut squares, mut unknowns) = (fit.cost + data.after.residual(), UNKNOWNS as f32);
     for ((prior, value), variance) in data.priors(fit.cycle()).into_iter().zip(fit.variances) {
         squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
         unknowns -= prior.weight * variance;

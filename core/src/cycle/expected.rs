@@ -38,12 +38,14 @@ impl Expected {
         }
     }
 
-    /// The data for the score test of force terms. Where the force bends down before the onset, the
+    /// The data for the score test of force terms, without priors of all unknowns but the last, the
+    /// rate change. Where the force bends down before the onset, the
     /// lines do not follow the bend: creep may cause it, and would not show about lines that follow
     /// it.
     #[inline(never)]
     pub(crate) fn asked<'a>(&self, slip: &'a SlipRecord, after: &'a Line) -> Data<'a> {
         let mut data = self.data(slip, after);
+        [data.onset, data.rate, data.inverse_omega] = [Prior::default(); 3];
         if slip.wander.creeps {
             data.wander = ColoredNoise::NONE.into();
         }

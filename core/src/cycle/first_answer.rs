@@ -9,7 +9,7 @@ use crate::cycle::slip_record::SlipRecord;
 use crate::detector::Detector;
 use crate::event::Provisional;
 use crate::fit::posterior::Posterior;
-use crate::fit::{Data, Fit, Variances};
+use crate::fit::{Data, Fit, UNSURE_OSCILLATION};
 use crate::stats::line::Line;
 
 /// Most steps of the fit for a first answer; two usually suffice.
@@ -73,7 +73,7 @@ impl CycleTracker {
         fit.widen_forces(slip.wander.line_excess);
         // Half of an oscillation may be the cell's.
         let unsure = if slip.wander.is_disputed() { 0.5 } else { 1.0 };
-        fit.widen(&Variances::UNSURE_OSCILLATION, unsure * self.learnt.unsure(slip, noise_n2));
+        fit.widen(&UNSURE_OSCILLATION, unsure * self.learnt.unsure(slip, noise_n2));
         let mut at = Posterior::at(&fit, noise_n2);
         if slip.elongation.sags() {
             relax(&slip.elongation, &mut at);
@@ -82,8 +82,8 @@ impl CycleTracker {
         if !(at.is_resolved() && known && slip.hidden.is_none()) {
             return None;
         }
-        let Posterior { cycle, static_n2, dynamic_n2, .. } = at;
-        let (shift_n, shift_n2) = self.shift(slip, &cycle);
+        let (cycle, (static_n2, dynamic_n2)) = (&at.cycle, at.forces_n2());
+        let (shift_n, shift_n2) = self.shift(slip, cycle);
         // The lowest sample has a weight of about a quarter in `Fp`, and the cable may flop there.
         let flop_n2 = (1.0 / slip.rest_weight - 1.0) * noise_n2 / 16.0;
         let mu = || {

@@ -67,7 +67,7 @@ impl CycleTracker {
         &mut self,
         slip: &SlipRecord,
         after: &Line,
-        Measured { posterior, alone, noise_n2, verdict }: &Measured,
+        Measured { posterior, alone, verdict, .. }: &Measured,
     ) -> (Finished, SampleTime) {
         let site = self.site();
         let shape = posterior.cycle.shape();
@@ -75,9 +75,8 @@ impl CycleTracker {
         let loads = shape.loads();
         let shift = self.shift(slip, &posterior.cycle);
         let alone = alone.map(|forces| {
-            let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
-            let dynamic_n = forces.dynamic_n - shift.0;
-            (mu_s, site.coefficient(dynamic_n, noise_n2 * forces.dynamic_variance))
+            let mu_s = site.coefficient(forces.static_n, forces.static_n2);
+            (mu_s, site.coefficient(forces.dynamic_n - shift.0, forces.dynamic_n2))
         });
         let event = self.measured(slip, posterior, &shape, shift);
         let mut finished = self.judged(event, alone, posterior, shift, *verdict);
@@ -128,16 +127,16 @@ impl CycleTracker {
 
     /// Evidence for and against a fit.
     fn of_fit(&self, posterior: &Posterior, slip: &SlipRecord) -> Belief {
-        let Posterior { cycle, unknowns, .. } = posterior;
+        let Posterior { cycle, variances, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
         // Decided by the mean swing of all events, not by that of a single one.
         let periods = slip.limit - cycle.onset;
         let folded =
             learnt.knows_omega() && RootStiffnessRatio::new(&site, rate, swing).is_folded(periods);
-        let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
+        let (rate, drop) = ((cycle.rate, variances[1]), (cycle.half_drop_n, variances[3]));
         let is_fast = periods < FAST;
-        let own = RootStiffnessRatio::new(&site, rate, (cycle.inverse_omega(), unknowns[4]));
+        let own = RootStiffnessRatio::new(&site, rate, (cycle.inverse_omega(), variances[4]));
         let agrees_with_winch = own.is_one();
         // A smooth oscillation of the force can be fitted as slips as well, but without a sample
         // that is surely at rest, or with rests shorter than `SWINGS` if it is slow. A slip whose
@@ -152,7 +151,7 @@ impl CycleTracker {
         if !is_fast {
             return Belief { folded, unsure, ..Belief::default() };
         }
-        let determines = posterior.determines_swing(unknowns[4]);
+        let determines = posterior.determines_swing(variances[4]);
         let folded = folded || (determines && own.is_folded(periods));
         Belief { folded, agrees_with_winch, unsure }
     }
@@ -168,10 +167,11 @@ impl CycleTracker {
         let cycle = &posterior.cycle;
         let mut event = self.bare(slip, cycle, shape);
         let site = self.site();
-        let (static_n2, dynamic_n2) = self.learnt.unsteady_n2(slip, posterior);
-        event.mu_s = Some(site.coefficient(cycle.static_n, posterior.static_n2 + static_n2));
+        let (static_n2, dynamic_n2) = posterior.forces_n2();
+        let unsteady_n2 = self.learnt.unsteady_n2(slip, posterior);
+        event.mu_s = Some(site.coefficient(cycle.static_n, static_n2 + unsteady_n2.0));
         event.dynamic_force_n -= shift_n;
-        let dynamic_n2 = posterior.dynamic_n2 + shift_n2 + dynamic_n2;
+        let dynamic_n2 = dynamic_n2 + shift_n2 + unsteady_n2.1;
         event.mu = Some(site.coefficient(event.dynamic_force_n, dynamic_n2));
         if !posterior.is_resolved() {
             if !event.slack {

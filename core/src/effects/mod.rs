@@ -17,6 +17,7 @@ pub(crate) mod zero_drift;
 mod synthetic {
     //! Events of DFF8-13 with noise and an effect that the model lacks.
 
+    use crate::fit::levenberg_marquardt::Pass;
     use crate::fit::{Alone, Data, Fit, Samples};
     use crate::model::CycleParams;
     use crate::model::corner::Corner;
@@ -27,11 +28,11 @@ mod synthetic {
 
     pub(super) const NOISE_N: f32 = 2.0;
 
-    /// The normal equations at a fit without its priors.
+    /// The factored normal equations at a fit; these events have no priors.
     pub(super) fn alone(fit: &Fit, data: &Data<'_>) -> Option<Alone> {
-        let mut pass = fit.anew();
+        let mut pass = Pass::at(*fit.cycle());
         while !pass.advance(data) {}
-        fit.alone(data, pass.normal())
+        pass.alone()
     }
 
     /// Generates `count` events with sharp corners, their onsets spread over a period; `force_n` is

@@ -141,7 +141,7 @@ impl Oscillation {
         let gain2 = 0.25 * (by_value * by_value + by_quarter * by_quarter);
         Moved {
             forces_n: [posterior.cycle.static_n, posterior.cycle.dynamic_n()],
-            plain_n2: [posterior.static_n2, posterior.dynamic_n2],
+            plain_n2: posterior.forces_n2().into(),
             by_n: [on_n, by_dynamic],
             own_n2: [on_n2, gain2 * (on_n2 + off_n2)],
             // Variance that an oscillation leaves at the end of a line over that of white noise of

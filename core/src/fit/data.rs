@@ -1,7 +1,7 @@
 //! The data of one event's fit: lines, samples, priors.
 
 use crate::fit::slip_residuals::{OwnSwing, SlipResiduals, steepness};
-use crate::fit::{Fit, SWING, Variances};
+use crate::fit::{Fit, SWING, Variances, Without};
 use crate::model::corner::{Corner, Rounded};
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::Wander;
@@ -155,9 +155,9 @@ impl Data<'_> {
         // The number of their pairs, 28, grows with the square.
         const MOST: usize = 8;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
-        let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
-        let alone = fit.without_swing(self.inverse_omega);
-        let apart = alone.as_ref().map_or(&factor, |alone| &alone.factor);
+        let without = fit.without(&SWING, self.inverse_omega);
+        let Without { tied: [_, _, by_static, by_drop, own, _], gain } =
+            without.unwrap_or_default();
         let (from, to) = self.samples.slip;
         // At least 1, also for a slip whose ends are NaN.
         let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
@@ -173,7 +173,7 @@ impl Data<'_> {
             let steepness = self.samples.steepness(time);
             let (off_n, gradient) = model.residual(time, measured_n);
             let weighted = scaled(&gradient, self.samples.weight(time));
-            let moved = factor.solve(&weighted);
+            let moved = fit.factor.solve(&weighted);
             let left = larger(1.0 - dot(&gradient, &moved), 0.0);
             slip.add(steepness, off_n * off_n / noise_n2, left);
             for (of_other, by_other) in others.iter().take(place) {
@@ -183,18 +183,21 @@ impl Data<'_> {
                 *own = (steepness, moved);
             }
             place += 1;
-            let moved_apart = apart.solve(&weighted);
             let weight = steepness * stride as f32;
-            swing_by_scatter += weight * moved_apart[SWING] * moved_apart[SWING];
-            wider.add(&moved, &moved_apart, weight);
+            let [onset, rate, static_n, drop_n, swing, rate_change] = moved;
+            let apart = gain * swing;
+            let (static_n, swing) = (static_n + apart * by_static, swing + apart * own);
+            let dynamic_n = static_n - drop_n - apart * by_drop;
+            swing_by_scatter += weight * swing * swing;
+            // The scatter of the swings is estimated with the trend of the swings.
+            let by = [onset, rate, static_n, drop_n, 0.0, rate_change, dynamic_n];
+            wider.iter_mut().zip(by).for_each(|(sum, by)| *sum += weight * by * by);
         }
-        // The scatter of the swings is estimated with the trend of the swings.
-        wider.unknowns[SWING] = 0.0;
         // While the swing is unknown, the estimate of one slip may have any size.
-        if let Some(alone) = alone.as_ref().filter(|_| knows_swing) {
-            let variance = apart.variance(SWING);
+        if knows_swing && without.is_some() {
+            let (value, variance) = (fit.cycle().inverse_omega(), own + gain * own * own);
             slip.swing = OwnSwing {
-                value: fit.cycle().inverse_omega() + variance * alone.right[SWING],
+                value: value + gain * own * (value - self.inverse_omega.mean),
                 variance: noise_n2 * variance,
                 by_scatter: swing_by_scatter / variance,
             };

@@ -3,7 +3,7 @@
 use core::ops::ControlFlow;
 
 use crate::fit::data::Data;
-use crate::fit::{Fit, Forces, rounding_n2};
+use crate::fit::{Alone, DYNAMIC, Fit, rounding_n2};
 use crate::model::CycleParams;
 use crate::num::math::{larger, smaller};
 use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
@@ -56,12 +56,14 @@ pub(crate) struct Pass {
 }
 
 impl Pass {
-    pub(super) fn at(trial: CycleParams) -> Self {
+    pub(crate) fn at(trial: CycleParams) -> Self {
         Self { trial, normal: Normal::default(), next: 0 }
     }
 
-    pub(crate) fn normal(&self) -> &Normal {
-        &self.normal
+    /// The normal equations of a whole pass over data without priors, factored. `None` where they
+    /// are singular.
+    pub(crate) fn alone(&self) -> Option<Alone> {
+        Some(Alone { factor: self.normal.factor(0.0)?, right: self.normal.right })
     }
 
     /// Adds the next samples; after the last ones also the lines, and then returns true.
@@ -168,16 +170,17 @@ impl Fitting {
         self.fit(&factor?, converged)
     }
 
-    fn fit(&self, information: &Factor, converged: bool) -> Option<Fit> {
+    fn fit(&self, factor: &Factor, converged: bool) -> Option<Fit> {
         if !self.normal.cost.is_finite() {
             return None;
         }
-        let variances = information.variances();
+        let [onset, rate, static_n2, half_drop_n2, swing, rate_change] = factor.variances();
+        let dynamic_n2 = factor.spread(&DYNAMIC, 2);
         Some(Fit {
             shape: self.cycle.shape(),
-            normal: self.normal,
-            forces: Forces::new(&self.cycle, information),
-            variances,
+            factor: *factor,
+            cost: self.normal.cost,
+            variances: [onset, rate, static_n2, half_drop_n2, swing, rate_change, dynamic_n2],
             wider: (0.0, 0.0),
             converged,
         })
@@ -258,7 +261,7 @@ mod tests {
             fitting.step(&data, 4.0)
         };
         let ControlFlow::Break(Some(fit)) = first_step(3.303, 291.0) else { panic!("settles") };
-        assert!((fit.forces.static_n - truth.static_n).abs() < 0.02 && fit.cost() < 0.04);
+        assert!((fit.cycle().static_n - truth.static_n).abs() < 0.02 && fit.cost < 0.04);
         assert!(first_step(3.4, 300.0).is_continue());
     }
 }

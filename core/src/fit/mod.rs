@@ -18,9 +18,8 @@ pub(crate) use data::{Data, Samples};
 pub(crate) use levenberg_marquardt::Fitting;
 
 use crate::fit::correction::Correction;
-use crate::fit::levenberg_marquardt::Pass;
 use crate::model::{CycleParams, Shape};
-use crate::stats::normal_equations::{Factor, Gradient, Normal};
+use crate::stats::normal_equations::{Factor, Gradient, UNKNOWNS, dot};
 use crate::stats::prior::Prior;
 
 /// A fitted event.
@@ -28,77 +27,46 @@ use crate::stats::prior::Prior;
 pub(crate) struct Fit {
     /// The fitted cycle.
     pub shape: Shape,
-    /// The normal equations at the fit.
-    normal: Normal,
-    /// `Fs` and `Fp`.
-    pub forces: Forces,
-    /// Variances of the unknowns, in units of the noise variance.
-    pub variances: Gradient,
+    /// Factor of the information matrix at the fit.
+    factor: Factor,
+    /// Weighted sum of squared residuals, the priors' included, N².
+    pub cost: f32,
+    /// Variances in units of the noise variance.
+    pub variances: Variances,
     /// Variances added to those of `Fs` and `Fp` since the fit, in units of the noise variance.
     wider: (f32, f32),
     /// Whether the iteration converged.
     pub converged: bool,
 }
 
-/// Variances of the unknowns and of `Fs` and `Fp`, in units of the noise variance.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Variances {
-    unknowns: Gradient,
-    forces: (f32, f32),
-}
+/// Variances of the unknowns, in their order, and of `Fp`.
+pub(crate) type Variances = [f32; UNKNOWNS + 1];
 
-impl Variances {
-    /// An oscillation of variance 1 about both lines: `Fs` and `Fe` each have its variance, `Fp`
-    /// half of it.
-    pub(crate) const UNSURE_OSCILLATION: Self =
-        Self { unknowns: [0.0, 0.0, 1.0, 0.5, 0.0, 0.0], forces: (1.0, 0.5) };
+/// An oscillation of variance 1 about both lines: `Fs` and `Fe` each have its variance, half the
+/// drop and `Fp` half of it.
+pub(crate) const UNSURE_OSCILLATION: Variances = [0.0, 0.0, 1.0, 0.5, 0.0, 0.0, 0.5];
 
-    /// Adds an error of this variance that shifts the unknowns by `moved`, and the forces as
-    /// unknowns shifted by `apart` do.
-    fn add(&mut self, moved: &Gradient, apart: &Gradient, variance: f32) {
-        for (sum, by) in self.unknowns.iter_mut().zip(moved) {
-            *sum += variance * by * by;
-        }
-        let (by_static, by_dynamic) = forces_by(apart);
-        self.forces.0 += variance * by_static * by_static;
-        self.forces.1 += variance * by_dynamic * by_dynamic;
-    }
-}
-
-/// `Fs` and `Fp`, N, with their variances in units of the noise variance.
-#[derive(Clone, Copy, Debug, Default)]
+/// `Fs` and `Fp`, N, with their variances, N².
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Forces {
     /// `Fs`.
     pub static_n: f32,
     /// `Fp`.
     pub dynamic_n: f32,
     /// Variance of `Fs`.
-    pub static_variance: f32,
+    pub static_n2: f32,
     /// Variance of `Fp`.
-    pub dynamic_variance: f32,
+    pub dynamic_n2: f32,
 }
 
 impl Forces {
-    /// The forces of a cycle, with variances from the factor of its information matrix.
-    fn new(cycle: &CycleParams, information: &Factor) -> Self {
-        let (static_n, dynamic_n) = (cycle.static_n, cycle.dynamic_n());
-        let static_variance = information.spread(&STATIC, FIRST);
-        let dynamic_variance = information.spread(&DYNAMIC, FIRST);
-        Self { static_n, dynamic_n, static_variance, dynamic_variance }
-    }
-
-    fn widen(&mut self, (static_variance, dynamic_variance): (f32, f32)) {
-        self.static_variance += static_variance;
-        self.dynamic_variance += dynamic_variance;
-    }
-
-    /// Applies a correction found after the fit; `noise_n2` is the unit of the variances, N².
-    pub(crate) fn apply(&mut self, correction: &Correction, noise_n2: f32) {
-        let (static_n, dynamic_n) = forces_by(&correction.moved);
+    /// Applies a correction found after the fit.
+    pub(crate) fn apply(&mut self, correction: &Correction) {
+        let Correction { moved: [_, _, static_n, half_drop_n, ..], .. } = correction;
         self.static_n += static_n;
-        self.dynamic_n += dynamic_n;
-        self.static_variance += correction.static_n2 / noise_n2;
-        self.dynamic_variance += correction.dynamic_n2 / noise_n2;
+        self.dynamic_n += static_n - half_drop_n;
+        self.static_n2 += correction.static_n2;
+        self.dynamic_n2 += correction.dynamic_n2;
     }
 }
 
@@ -106,16 +74,9 @@ impl Forces {
 pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 /// `Fp = Fs − d` as a combination of the unknowns.
 pub(crate) const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
-/// The first unknown with a coefficient in either force.
-const FIRST: usize = 2;
-/// The places of the loading rate and of the swing among the unknowns.
-const RATE: usize = 1;
-pub(crate) const SWING: usize = 4;
-
-/// Shift of `Fs` and `Fp` for a shift of the unknowns.
-fn forces_by([_, _, static_n, half_drop_n, ..]: &Gradient) -> (f32, f32) {
-    (*static_n, static_n - half_drop_n)
-}
+/// The loading rate and the swing as combinations of the unknowns.
+const RATE: Gradient = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+const SWING: Gradient = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 impl Fit {
     /// The unknowns.
@@ -124,41 +85,25 @@ impl Fit {
         self.shape.cycle()
     }
 
-    /// Weighted sum of squared residuals, the priors' included, N².
-    #[must_use]
-    pub(crate) fn cost(&self) -> f32 {
-        self.normal.cost
-    }
-
     /// By how much less the squared residuals of samples and lines would be, N², without this prior
     /// of the loading rate.
     pub(crate) fn by_rate_n2(&self, rate: Prior) -> f32 {
         let pull = rate.weight * (rate.mean - self.cycle().rate);
-        let variance = self.variances[RATE];
+        let [_, variance, ..] = self.variances;
         pull * pull * variance / (1.0 - rate.weight * variance)
-    }
-
-    /// Subtracts the squared residuals, N², of samples that became part of a stick line from the
-    /// cost.
-    pub(crate) fn leave(&mut self, left_n2: f32) {
-        self.normal.cost -= left_n2;
     }
 
     /// Multiplies all variances by the ratio of the event's own mean square residual to the noise.
     pub(crate) fn scale(&mut self, ratio: f32) {
-        let Forces { static_variance, dynamic_variance, .. } = self.forces;
-        let forces = (static_variance, dynamic_variance);
-        self.widen(&Variances { unknowns: self.variances, forces }, ratio - 1.0);
+        let variances = self.variances;
+        self.widen(&variances, ratio - 1.0);
     }
 
     /// Adds `times` their own variances to those of `Fs`, `d` and `Fp`, for noise with correlated
     /// neighbours. The variances of the quantities that events share stay the same.
     pub(crate) fn widen_forces(&mut self, times: f32) {
-        let Forces { static_variance, dynamic_variance, .. } = self.forces;
-        let [_, _, static_n2, half_drop_n2, ..] = self.variances;
-        let unknowns = [0.0, 0.0, static_n2, half_drop_n2, 0.0, 0.0];
-        let forces = (static_variance, dynamic_variance);
-        self.widen(&Variances { unknowns, forces }, times);
+        let [_, _, static_n2, half_drop_n2, _, _, dynamic_n2] = self.variances;
+        self.widen(&[0.0, 0.0, static_n2, half_drop_n2, 0.0, 0.0, dynamic_n2], times);
     }
 
     /// Adds `times` the given variances, of errors beyond the noise.
@@ -166,12 +111,12 @@ impl Fit {
         if times == 0.0 {
             return;
         }
-        for (variance, more) in self.variances.iter_mut().zip(wider.unknowns) {
+        for (variance, more) in self.variances.iter_mut().zip(wider) {
             *variance += times * more;
         }
-        let forces = (times * wider.forces.0, times * wider.forces.1);
-        self.wider = (self.wider.0 + forces.0, self.wider.1 + forces.1);
-        self.forces.widen(forces);
+        let [_, _, static_n2, .., dynamic_n2] = wider;
+        self.wider.0 += times * static_n2;
+        self.wider.1 += times * dynamic_n2;
     }
 
     /// Variances added to those of `Fs` and `Fp` since the fit, N².
@@ -179,72 +124,55 @@ impl Fit {
         (noise_n2 * self.wider.0, noise_n2 * self.wider.1)
     }
 
-    /// The forces without the prior of the loading rate: it is subtracted from the normal
-    /// equations.
+    /// The forces without the prior of the loading rate.
     ///
     /// `None` when the event alone does not determine them.
     #[must_use]
-    pub(crate) fn forces_alone(&self, rate: Prior) -> Option<Forces> {
-        let expected = [(rate, self.cycle().rate)];
-        let Alone { factor, right } = without(&self.normal, Gradient::default(), 1, &expected)?;
-        let [_, _, by_static, by_drop, ..] = factor.solve(&right);
-        let mut forces = self.forces_at(by_static, by_drop, &factor);
-        forces.widen(self.wider);
-        Some(forces)
+    pub(crate) fn forces_alone(&self, rate: Prior, noise_n2: f32) -> Option<Forces> {
+        let Without { tied, gain } = self.without(&RATE, rate)?;
+        let [_, _, static_n2, .., dynamic_n2] = self.variances;
+        let cycle = self.cycle();
+        let by = gain * (cycle.rate - rate.mean);
+        let ([_, _, by_static, ..], by_dynamic) = (tied, dot(&tied, &DYNAMIC));
+        Some(Forces {
+            static_n: cycle.static_n + by * by_static,
+            dynamic_n: cycle.dynamic_n() + by * by_dynamic,
+            static_n2: noise_n2 * (static_n2 + gain * by_static * by_static),
+            dynamic_n2: noise_n2 * (dynamic_n2 + gain * by_dynamic * by_dynamic),
+        })
     }
 
-    /// The forces after a shift of `Fs` and of half the drop, N, with the variances of an
-    /// information matrix.
-    fn forces_at(&self, by_static: f32, by_drop: f32, information: &Factor) -> Forces {
-        let mut cycle = *self.cycle();
-        cycle.static_n += by_static;
-        cycle.half_drop_n += by_drop;
-        Forces::new(&cycle, information)
-    }
-
-    /// The normal equations without the prior of the swing.
-    pub(crate) fn without_swing(&self, swing: Prior) -> Option<Alone> {
-        let value = self.cycle().inverse_omega();
-        without(&self.normal, Gradient::default(), SWING, &[(swing, value)])
-    }
-
-    /// A pass over the data at the fit. The fit ended with a step whose result was not evaluated,
-    /// and what that left is no noise: it would add up over the events.
-    pub(crate) fn anew(&self) -> Pass {
-        Pass::at(*self.cycle())
-    }
-
-    /// The event's normal equations, from those of such a pass, without the priors of all unknowns
-    /// but the last, the rate change. `None` where they are singular.
-    #[must_use]
-    pub(crate) fn alone(&self, data: &Data<'_>, normal: &Normal) -> Option<Alone> {
-        let [expected @ .., _] = data.priors(self.cycle());
-        without(normal, normal.right, 0, &expected)
+    /// How the fit changes without the prior of one unknown. `None` where hardly anything but the
+    /// prior determines it.
+    #[inline(never)]
+    fn without(&self, unknown: &Gradient, prior: Prior) -> Option<Without> {
+        // Least part of the unknown's precision that is the event's own: less is rounding.
+        const LEAST_OWN: f32 = 1e-4;
+        let tied = self.factor.solve(unknown);
+        let own = 1.0 - prior.weight * dot(&tied, unknown);
+        (own > LEAST_OWN).then(|| Without { tied, gain: prior.weight / own })
     }
 }
 
-/// The normal equations of an event without priors, at its fit: their factor and right-hand side.
+/// The change of a fit without the prior of one unknown, of weight `w`, mean `m` and value `x`. With
+/// `A` the information matrix and `e` the unknown (Sherman and Morrison)
+///
+/// `(A − w e eᵀ)⁻¹ = A⁻¹ + g u uᵀ`, `u = A⁻¹ e`, `g = w / (1 − w eᵀ u)`,
+///
+/// and the unknowns are shifted by `g (x − m) u`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Without {
+    /// `u`.
+    tied: Gradient,
+    /// `g`.
+    gain: f32,
+}
+
+/// The factored normal equations of an event without priors, at its fit, and their right-hand side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Alone {
     pub(crate) factor: Factor,
     pub(crate) right: Gradient,
-}
-
-/// Normal equations without the priors of the unknowns from `first` on; each prior comes with the
-/// unknown's value.
-#[inline(never)]
-fn without(
-    normal: &Normal,
-    mut right: Gradient,
-    first: usize,
-    expected: &[(Prior, f32)],
-) -> Option<Alone> {
-    let mut matrix = normal.matrix;
-    for (i, (right, (prior, value))) in right.iter_mut().skip(first).zip(expected).enumerate() {
-        matrix.add_to_diagonal(first + i, -prior.weight);
-        *right -= prior.weight * (prior.mean - value);
-    }
-    Some(Alone { factor: matrix.factor(0.0)?, right })
 }
 
 /// Variance of a force due to rounding in single precision, N²: the noise of a quiet cell may be

@@ -105,7 +105,7 @@ impl OverOnset {
         if let Some(fit) = &fit {
             let expected =
                 data.onset.weight * (onset - data.onset.mean) * (onset - data.onset.mean);
-            let cost = fit.cost() + expected - best.cost();
+            let cost = fit.cost + expected - best.cost;
             let likelihood = math::exp(-0.5 * cost / noise_n2);
             ends = likelihood < UNLIKELY;
             self.sums.add(width * likelihood, &Posterior::at(fit, noise_n2), best);
@@ -141,9 +141,7 @@ fn is_at_edge(shape: &Shape, noise_n2: f32) -> bool {
 /// A fit after a shift of its onset, the other unknowns shifted by their correlation with it.
 fn along(fit: &Fit, by: f32) -> CycleParams {
     let onset = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let Some(tied) = fit.normal.factor(0.0).map(|factor| factor.solve(&onset)) else {
-        return *fit.cycle();
-    };
+    let tied = fit.factor.solve(&onset);
     moved(fit.cycle(), &scaled(&tied, by / tied[0]))
 }
 
@@ -170,12 +168,12 @@ fn following(place: i16, last: i16, ends: bool) -> Option<i16> {
     }
 }
 
-/// Weighted sums of values relative to the best fit, of their squares and of their
-/// variances: `Fp` and the unknowns.
+/// Weighted sums of values relative to the best fit, and of their squares and variances: the
+/// unknowns and `Fp`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     weight: f32,
-    moments: [[f32; 2]; 1 + UNKNOWNS],
+    moments: [[f32; 2]; UNKNOWNS + 1],
 }
 
 impl Sums {
@@ -183,13 +181,11 @@ impl Sums {
         // Likelihoods above one occur: the best fit was not quite the best.
         let weight = if weight.is_finite() { smaller(weight, 1e3) } else { 0.0 };
         self.weight += weight;
-        let [onset, rate, static_n2, half_drop_n2, swing, rate_change] = one.unknowns;
-        let variances = [one.dynamic_n2, onset, rate, static_n2, half_drop_n2, swing, rate_change];
         let (values, bests) = (values(&one.cycle), values(best.cycle()));
         for (i, moment) in self.moments.iter_mut().enumerate() {
             let difference = values[i] - bests[i];
             moment[0] += weight * difference;
-            moment[1] += weight * (difference * difference + variances[i]);
+            moment[1] += weight * (difference * difference + one.variances[i]);
         }
     }
 
@@ -203,28 +199,27 @@ impl Sums {
             *mean /= self.weight;
             *square = math::larger(*square / self.weight - *mean * *mean, 0.0);
         }
-        let [by_dynamic, of_unknowns @ ..] = spread;
-        let (unknowns, by) = (of_unknowns.map(|it| it[1]), of_unknowns.map(|it| it[0]));
-        let [onset, rate, by_static, _, inverse_omega, rate_change] = by;
+        let [onset, rate, by_static, _, inverse_omega, rate_change, by_dynamic] =
+            spread.map(|[mean, _]| mean);
         let from = best.cycle();
         let static_n = from.static_n + by_static;
         let cycle = CycleParams {
             onset: from.onset + onset,
             rate: from.rate + rate,
             static_n,
-            half_drop_n: static_n - (from.dynamic_n() + by_dynamic[0]),
+            half_drop_n: static_n - (from.dynamic_n() + by_dynamic),
             omega: 1.0 / (from.inverse_omega() + inverse_omega),
             rate_change: from.rate_change + rate_change,
         };
-        let wider = best.wider_n2(noise_n2);
-        let static_n2 = unknowns[2] + SCATTER * wider.0;
-        let dynamic_n2 = by_dynamic[1] + SCATTER * wider.1;
         let (fall_time, common_n2) = (cycle.shape().fall_time(), (0.0, 0.0));
-        let over = Posterior { cycle, fall_time, static_n2, dynamic_n2, common_n2, unknowns };
+        let variances = spread.map(|[_, variance]| variance);
+        let mut over = Posterior { cycle, fall_time, common_n2, variances };
+        let wider = best.wider_n2(noise_n2);
+        over.widen(SCATTER * wider.0, SCATTER * wider.1);
         // If the onset is known better than the spacing of the places, few of these carry all the
         // weight, and their fits lack the onset's own variance: the best fit's variances are the
         // least.
-        if best.shape.fall_time() < RESOLVED && over.unknowns[0] > STEP * STEP / 4.0 {
+        if best.shape.fall_time() < RESOLVED && over.variances[0] > STEP * STEP / 4.0 {
             over
         } else {
             over.widened(&Posterior::at(best, noise_n2))
@@ -232,9 +227,9 @@ impl Sums {
     }
 }
 
-/// `Fp` and the unknowns of a cycle.
-fn values(c: &CycleParams) -> [f32; 1 + UNKNOWNS] {
-    [c.dynamic_n(), c.onset, c.rate, c.static_n, c.half_drop_n, c.inverse_omega(), c.rate_change]
+/// The unknowns of a cycle and `Fp`.
+fn values(c: &CycleParams) -> [f32; UNKNOWNS + 1] {
+    [c.onset, c.rate, c.static_n, c.half_drop_n, c.inverse_omega(), c.rate_change, c.dynamic_n()]
 }
 
 #[cfg(test)]
@@ -296,9 +291,9 @@ mod tests {
     fn a_slip_between_two_samples_leaves_the_onset_open() {
         let (truth, got, [passes, places]) = posterior(0.5, 0.25);
         assert!(places == 16 && passes < 3 * places, "{passes} passes, {places} places");
-        let onset_std = math::sqrt(got.unknowns[0]);
+        let onset_std = math::sqrt(got.variances[0]);
         assert!(onset_std > 0.05 && onset_std < 0.5, "{onset_std}");
-        let std = math::sqrt(got.static_n2);
+        let std = math::sqrt(got.forces_n2().0);
         assert!(std > 20.0 * 0.05, "{std}");
         assert!((got.cycle.static_n - truth.static_n).abs() < 2.0 * std);
         assert!(!got.is_resolved());
@@ -307,7 +302,7 @@ mod tests {
     #[test]
     fn a_slip_of_three_samples_is_told_by_its_fit() {
         let (truth, got, _) = posterior(3.0, 0.25);
-        assert!(got.is_resolved() && got.unknowns[0] < 1e-3);
+        assert!(got.is_resolved() && got.variances[0] < 1e-3);
         assert!((got.cycle.static_n - truth.static_n).abs() < 1.0);
     }
 }

@@ -1,10 +1,9 @@
 //! Posterior of one event's unknowns: means and variances.
 
-use crate::fit::Fit;
 use crate::fit::correction::Correction;
+use crate::fit::{Fit, Variances};
 use crate::model::CycleParams;
 use crate::num::math::larger;
-use crate::stats::normal_equations::{Gradient, scaled};
 
 /// Length below which slips are averaged over the onset, periods: half of them or more have at most
 /// one sample.
@@ -24,25 +23,34 @@ pub(crate) struct Posterior {
     /// Time in which the force depends on the slide, periods: up to the stop, or up to a slack
     /// cable.
     pub fall_time: f32,
-    /// Variance of `Fs`, N².
-    pub static_n2: f32,
-    /// Variance of `Fp`, N².
-    pub dynamic_n2: f32,
     /// Parts of these two variances that are common to all events, N²: from the corners, and from
     /// the scatter of the slips' samples, which may be the same in all of them.
     pub common_n2: (f32, f32),
-    /// Variances of the unknowns from the fit. Those of `Fs` and of half the drop, the two in the
-    /// middle, serve to test whether there was a drop at all.
-    pub unknowns: Gradient,
+    /// Variances of the unknowns and of `Fp`.
+    pub variances: Variances,
 }
 
 impl Posterior {
+    /// Variances of `Fs` and of `Fp`, N².
+    #[must_use]
+    pub(crate) fn forces_n2(&self) -> (f32, f32) {
+        let [_, _, static_n2, .., dynamic_n2] = self.variances;
+        (static_n2, dynamic_n2)
+    }
+
+    /// Adds to the variances of `Fs` and of `Fp`, N².
+    pub(crate) fn widen(&mut self, by_static_n2: f32, by_dynamic_n2: f32) {
+        let [_, _, static_n2, .., dynamic_n2] = &mut self.variances;
+        *static_n2 += by_static_n2;
+        *dynamic_n2 += by_dynamic_n2;
+    }
+
     /// Is the slip resolved: long enough for the samples, with a known swing?
     #[must_use]
     #[inline(never)]
     pub(crate) fn is_resolved(&self) -> bool {
         let most = SWING_KNOWN * self.cycle.inverse_omega();
-        self.fall_time >= RESOLVED && self.unknowns[4] < most * most
+        self.fall_time >= RESOLVED && self.variances[4] < most * most
     }
 
     /// Does the slip determine the swing well enough for the next events? `variance` is that of its
@@ -77,8 +85,7 @@ impl Posterior {
         c.half_drop_n += half_drop_n;
         c.omega = 1.0 / (c.inverse_omega() + inverse_omega);
         c.rate_change += rate_change;
-        self.static_n2 += correction.static_n2;
-        self.dynamic_n2 += correction.dynamic_n2;
+        self.widen(correction.static_n2, correction.dynamic_n2);
     }
 
     /// Adds the uncertainty of a slip that may have begun anywhere within a period before and
@@ -89,18 +96,15 @@ impl Posterior {
         const UNIFORM: f32 = 1.0 / 3.0;
         let CycleParams { rate, omega, .. } = self.cycle;
         let onset_n2 = UNIFORM * rate * rate;
-        self.static_n2 += onset_n2;
-        self.dynamic_n2 += 0.25 * onset_n2;
-        self.unknowns[0] += UNIFORM;
-        self.unknowns[4] += 1.0 / (omega * omega);
+        self.widen(onset_n2, 0.25 * onset_n2);
+        self.variances[0] += UNIFORM;
+        self.variances[4] += 1.0 / (omega * omega);
     }
 
     /// Raises each variance to at least that of `other`.
     #[inline(never)]
     pub(crate) fn widened(mut self, other: &Self) -> Self {
-        self.static_n2 = larger(self.static_n2, other.static_n2);
-        self.dynamic_n2 = larger(self.dynamic_n2, other.dynamic_n2);
-        for (variance, least) in self.unknowns.iter_mut().zip(other.unknowns) {
+        for (variance, least) in self.variances.iter_mut().zip(other.variances) {
             *variance = larger(*variance, least);
         }
         self
@@ -110,12 +114,8 @@ impl Posterior {
     #[must_use]
     #[inline(never)]
     pub(crate) fn at(fit: &Fit, noise_n2: f32) -> Self {
-        let Fit { forces, .. } = fit;
-        let unknowns = scaled(&fit.variances, noise_n2);
-        let static_n2 = noise_n2 * forces.static_variance;
-        let dynamic_n2 = noise_n2 * forces.dynamic_variance;
-        let fall_time = fit.shape.fall_time();
-        let common_n2 = (0.0, 0.0);
-        Self { cycle: *fit.cycle(), fall_time, static_n2, dynamic_n2, common_n2, unknowns }
+        let variances = fit.variances.map(|variance| noise_n2 * variance);
+        let (fall_time, common_n2) = (fit.shape.fall_time(), (0.0, 0.0));
+        Self { cycle: *fit.cycle(), fall_time, common_n2, variances }
     }
 }

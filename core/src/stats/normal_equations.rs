@@ -134,7 +134,7 @@ impl Normal {
 /// `A = L D Lᵀ` with a unit diagonal in `L`. Neither the result nor its rounding
 /// depends on the units of the unknowns, so newtons, periods and radians do not
 /// disturb each other in single precision.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Factor {
     /// Below the diagonal, row by row.
     lower: [f32; ENTRIES - UNKNOWNS],

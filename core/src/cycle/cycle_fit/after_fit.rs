@@ -12,10 +12,11 @@ use crate::effects::scatter::SlipScatter;
 use crate::effects::score::Asked;
 use crate::event::Reason;
 use crate::fit::correction::Correction;
+use crate::fit::levenberg_marquardt::Pass;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::excess_ratio;
-use crate::fit::{Fit, SWING, Variances};
+use crate::fit::{Fit, UNSURE_OSCILLATION};
 use crate::model::elongation::Elongation;
 use crate::num::math::{larger, smaller};
 
@@ -61,7 +62,7 @@ impl CycleFit {
             // samples on that line all have the same rounding error, as far as the noise (the
             // excess of all residuals over the steps) does not smear it.
             let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
-            fit.widen(&Variances::UNSURE_OSCILLATION, hidden_n2 / now_n2);
+            fit.widen(&UNSURE_OSCILLATION, hidden_n2 / now_n2);
             if learnt.effects.has(Effect::Scatter) {
                 let (own, wider) = data.slip_residuals(fit, knows_swing, quiet_n2);
                 // Residuals of a force that wanders are no scatter of the slip's own.
@@ -72,7 +73,7 @@ impl CycleFit {
             }
             // The error by an oscillation is estimated after the fit.
             if !slip.wander.is_disputed() {
-                fit.widen(&Variances::UNSURE_OSCILLATION, learnt.unsure(slip, now_n2));
+                fit.widen(&UNSURE_OSCILLATION, learnt.unsure(slip, now_n2));
             }
         }
         let strained = is_strained(&data, around_n2, now_n2);
@@ -100,8 +101,9 @@ impl CycleFit {
         let (fit, slip) = (&mut self.fit, &mut self.slip);
         if self.expected.corner.is_sharp() && fit.cycle().is_taut() && slip.wander.level <= 0.0 {
             let (onset, stop) = (fit.cycle().onset, fit.shape.stop());
+            // The squared residuals of samples that became part of a line.
             let left_n2 = slip.shorten(&mut self.after, (onset - FAR, stop + FAR));
-            fit.leave(left_n2);
+            fit.cost -= left_n2;
         }
     }
 
@@ -121,11 +123,11 @@ impl CycleFit {
             self.stage = FitStage::Failed(Reason::Hidden);
             return;
         }
-        if learnt.stood_slack(fit.cycle(), posterior.unknowns[SWING], slip.limit) {
+        if learnt.stood_slack(fit.cycle(), posterior.variances[4], slip.limit) {
             self.stage = FitStage::Failed(Reason::LetGo);
             return;
         }
-        *alone = fit.forces_alone(self.rate).filter(|_| is_resolved);
+        *alone = fit.forces_alone(self.rate, noise_n2).filter(|_| is_resolved);
         let strained = is_resolved && self.strain != Strain::None;
         let dynamic_n = dynamic_n(&slip.elongation, posterior);
         *verdict = learnt.learn(&data, posterior, dynamic_n, noise_n2, (strained, self.excess));
@@ -141,7 +143,7 @@ impl CycleFit {
         let shows = posterior.is_resolved() && fit.shape.slide_time() > CLEAR;
         let asked =
             *verdict == Verdict::Same && self.strain == Strain::None && shows && learnt.asks();
-        self.stage = if asked { FitStage::Alone(self.fit.anew()) } else { FitStage::Done };
+        self.stage = if asked { FitStage::Alone(Pass::at(*fit.cycle())) } else { FitStage::Done };
     }
 
     /// Sets up the normal equations of the event without its priors.
@@ -149,8 +151,7 @@ impl CycleFit {
         let FitStage::Alone(pass) = &mut self.stage else { return };
         let data = self.expected.asked(&self.slip, &self.after);
         if pass.advance(&data) {
-            let alone = self.fit.alone(&data, pass.normal());
-            self.stage = alone.map_or(FitStage::Done, |it| {
+            self.stage = pass.alone().map_or(FitStage::Done, |it| {
                 FitStage::Asked(Terms::Widen, it, Asked::default(), 0)
             });
         }
@@ -217,8 +218,8 @@ impl Measured {
             let off_n = mean * (forces.dynamic_n - middle_n);
             forces.static_n = cable.force_n(forces.static_n);
             forces.dynamic_n = self.posterior.cycle.dynamic_n() + off_n;
-            forces.static_variance *= at_onset * at_onset;
-            forces.dynamic_variance *= mean * mean;
+            forces.static_n2 *= at_onset * at_onset;
+            forces.dynamic_n2 *= mean * mean;
         }
     }
 
@@ -233,7 +234,7 @@ impl Measured {
     pub(crate) fn apply(&mut self, correction: &Correction) {
         self.posterior.apply(correction);
         if let Some(forces) = &mut self.alone {
-            forces.apply(correction, self.noise_n2);
+            forces.apply(correction);
         }
     }
 }

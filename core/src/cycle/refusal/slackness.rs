@@ -23,7 +23,7 @@ impl Slackness {
         let Self(trend) = self;
         let static_n = posterior.cycle.static_n;
         let ratio = posterior.cycle.dynamic_n() / static_n;
-        let own = posterior.dynamic_n2 / (static_n * static_n);
+        let own = posterior.forces_n2().1 / (static_n * static_n);
         let scatter = SCATTER * ratio;
         trend.forget();
         let usual = trend.mean();
@@ -43,7 +43,7 @@ mod tests {
         let (static_n, dynamic_n) = (630.0, 252.0 * factor);
         let cycle =
             CycleParams { static_n, half_drop_n: static_n - dynamic_n, ..CycleParams::default() };
-        Posterior { cycle, dynamic_n2: 0.1, ..Posterior::default() }
+        Posterior { cycle, variances: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1], ..Posterior::default() }
     }
 
     #[test]
