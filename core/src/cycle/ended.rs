@@ -1,9 +1,8 @@
 //! The end of a stick line, by a slip or a long gap, and the progress of the steps that follow it.
 
-use crate::cycle::expected::Expected;
 use crate::cycle::slip_record::SeenSlip;
 use crate::detector::{Detector, Stick};
-use crate::fit::{Fit, Fitting};
+use crate::fit::{Fit, Fitting, Priors};
 use crate::sample::{ForcePoint, since};
 
 /// The end of a stick line.
@@ -39,7 +38,7 @@ pub(super) enum By {
 /// A first answer under way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FirstAnswer {
-    pub(super) expected: Expected,
+    pub(super) priors: Priors,
     pub(super) fitting: Fitting,
     /// Steps of the fit that are still allowed.
     pub(super) left: usize,

@@ -1,7 +1,6 @@
 //! Estimates from the events of a test so far, as expectations (priors) for the next one.
 
 use crate::coefficient::Site;
-use crate::cycle::expected::Expected;
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::{Effect, Effects, Kept};
 use crate::effects::corner::CornerEstimator;
@@ -13,7 +12,7 @@ use crate::effects::sag::Sag;
 use crate::effects::scatter::SlipScatter;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::Residuals;
-use crate::fit::{Data, Fit, rounding_n2};
+use crate::fit::{Data, Fit, Priors, rounding_n2};
 use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::line::Line;
@@ -99,7 +98,7 @@ impl Expectations {
     }
 
     /// The priors of an event with this line after it.
-    pub(crate) fn of(&self, slip: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
+    pub(crate) fn of(&self, slip: &SlipRecord, after: &Line, noise_n2: f32) -> Priors {
         let (rough, wander) = (slip.rough(after), slip.wander);
         let has_lines = slip.before.count.min(after.count) >= LINE && slip.wander.level <= 0.0;
         let rate = expected(self.rate.prior(noise_n2), rough.rate, ROUGH * rough.rate, noise_n2);
@@ -110,7 +109,7 @@ impl Expectations {
         };
         let (guess, spread) = rough.swing(self.swing_by_winch(rate.mean));
         let inverse_omega = expected(known_swing, guess, spread, noise_n2);
-        Expected {
+        Priors {
             noise_n2,
             rate: rate.loosened(wander.slope),
             inverse_omega,
@@ -215,8 +214,8 @@ impl Expectations {
         let positive = |own: &(f32, f32)| own.0 > 0.0;
         // A slip that is hardly resolved only returns the prior of its swing.
         let own_swing = |variance, least| {
-            let own =
-                own(cycle.inverse_omega(), variance, data.inverse_omega, least).filter(positive);
+            let own = own(cycle.inverse_omega(), variance, data.priors.inverse_omega, least)
+                .filter(positive);
             own.filter(|own| posterior.determines_swing(own.1))
         };
         let mut evidence = Evidence {
@@ -233,7 +232,7 @@ impl Expectations {
         let watches = self.effects.has(Effect::Mass);
         let verdict = if watches { self.mass.judge(&evidence) } else { Verdict::Same };
         let on_trial = self.mass.is_on_trial();
-        let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN).filter(positive);
+        let own_rate = own(cycle.rate, rate, data.priors.rate, LEAST_OWN).filter(positive);
         if strained || (verdict == Verdict::Suspect && !on_trial) {
             return verdict;
         }
@@ -244,7 +243,7 @@ impl Expectations {
         if let Some((value, variance)) = own_rate.filter(|_| steady) {
             self.rate.add(value, variance);
         }
-        let own_change = own(cycle.rate_change, rate_change, data.rate_change, LEAST_OWN);
+        let own_change = own(cycle.rate_change, rate_change, data.priors.rate_change, LEAST_OWN);
         if let Some((value, variance)) = own_change.filter(|_| steady) {
             self.rate_change.add(value, variance);
         }
@@ -301,7 +300,9 @@ fn expected(learnt: Prior, guess: f32, spread: f32, noise_n2: f32) -> Prior {
 /// determines it.
 pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
     let (mut squares, mut unknowns) = (fit.cost + data.after.residual(), UNKNOWNS as f32);
-    for ((prior, value), variance) in data.priors(fit.cycle()).into_iter().zip(fit.variances) {
+    for ((prior, value), variance) in
+        data.priors.with_values(fit.cycle()).into_iter().zip(fit.variances)
+    {
         squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
         unknowns -= prior.weight * variance;
     }

@@ -4,12 +4,11 @@
 use crate::cycle::CycleTracker;
 use crate::cycle::cable::relax;
 use crate::cycle::ended::{FirstAnswer, Progress};
-use crate::cycle::expected::Expected;
 use crate::cycle::slip_record::SlipRecord;
 use crate::detector::Detector;
 use crate::event::Provisional;
 use crate::fit::posterior::Posterior;
-use crate::fit::{Data, Fit, UNSURE_OSCILLATION};
+use crate::fit::{Data, Fit, Priors, UNSURE_OSCILLATION};
 use crate::stats::line::Line;
 
 /// Most steps of the fit for a first answer; two usually suffice.
@@ -38,23 +37,21 @@ impl CycleTracker {
     pub(super) fn begin_first(&mut self) {
         let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
         let noise_n2 = self.learnt.fitted_noise_n2(slip);
-        let expected = self.learnt.of(slip, &Line::NONE, noise_n2);
+        let priors = self.learnt.of(slip, &Line::NONE, noise_n2);
         let knows_omega = self.learnt.knows_omega();
-        let fitting = slip.guess(&data(&expected, slip, knows_omega), knows_omega);
+        let fitting = slip.guess(&data(&priors, slip, knows_omega), knows_omega);
         let is_long = slip.samples().forces_n.len() > MOST_SAMPLES;
         let left = if is_long { 0 } else { FIRST_STEPS };
-        ended.progress = Progress::Answering(FirstAnswer { expected, fitting, left });
+        ended.progress = Progress::Answering(FirstAnswer { priors, fitting, left });
     }
 
     /// One step of the fit for the first answer.
     pub(super) fn step_first(&mut self) {
         let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
-        let Progress::Answering(FirstAnswer { expected, fitting, left }) = &mut ended.progress
-        else {
+        let Progress::Answering(FirstAnswer { priors, fitting, left }) = &mut ended.progress else {
             return;
         };
-        let data = data(expected, slip, self.learnt.knows_omega());
-        let step = fitting.step(&data, expected.noise_n2);
+        let step = fitting.step(&data(priors, slip, self.learnt.knows_omega()));
         *left = left.saturating_sub(1);
         if step.is_break() || *left == 0 {
             ended.progress = Progress::Answered(step.break_value().flatten());
@@ -99,8 +96,8 @@ impl CycleTracker {
 /// Data of the first answer: all samples but the newest. The detector saw the end of the slip by
 /// that sample, so it is more often too high than too low. While the swing is unknown every sample
 /// is needed.
-fn data<'a>(expected: &Expected, slip: &'a SlipRecord, knows_omega: bool) -> Data<'a> {
-    let mut data = expected.data(slip, &Line::NONE);
+fn data<'a>(priors: &'a Priors, slip: &'a SlipRecord, knows_omega: bool) -> Data<'a> {
+    let mut data = slip.data(priors, &Line::NONE);
     let before = data.samples.forces_n.split_last().filter(|_| knows_omega);
     data.samples.forces_n = before.map_or(data.samples.forces_n, |(_, before)| before);
     data

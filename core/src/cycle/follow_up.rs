@@ -44,7 +44,7 @@ impl CycleTracker {
                 GUESSES + slip.samples().forces_n.len()
             }
             (Progress::Gathered, _) => GUESS,
-            (Progress::Answering(answer), Some(slip)) => answer.expected.pass(slip),
+            (Progress::Answering(answer), Some(slip)) => slip.pass(&answer.priors),
             (Progress::Answering(_) | Progress::Answered(_), _) => {
                 // The test for an even fall looks at each sample of a long fall.
                 let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.slip.fall());

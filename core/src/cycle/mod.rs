@@ -15,7 +15,6 @@ mod change;
 mod cycle_fit;
 mod ended;
 mod expectations;
-mod expected;
 mod first_answer;
 mod follow_up;
 mod outcome;

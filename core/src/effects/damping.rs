@@ -103,7 +103,7 @@ mod tests {
         let force_n = |cycle: &CycleParams, time: f32| damped_n(cycle, ratio, time - cycle.onset);
         synthetic::events(events, force_n, |data, cycle| {
             let noise_n2 = NOISE_N * NOISE_N;
-            let Some(fit) = data.fit(cycle, noise_n2) else { return };
+            let Some(fit) = data.fit(cycle) else { return };
             let Some(alone) = synthetic::alone(&fit, &data) else { return };
             let shape = &fit.shape;
             let losses_n = term_n(shape);

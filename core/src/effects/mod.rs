@@ -18,9 +18,8 @@ mod synthetic {
     //! Events of DFF8-13 with noise and an effect that the model lacks.
 
     use crate::fit::levenberg_marquardt::Pass;
-    use crate::fit::{Alone, Data, Fit, Samples};
+    use crate::fit::{Alone, Data, Fit, Priors, Samples};
     use crate::model::CycleParams;
-    use crate::model::corner::Corner;
     use crate::noise::ripple::ColoredNoise;
     use crate::stats::line::Line;
     use crate::stats::prior::Prior;
@@ -60,17 +59,14 @@ mod synthetic {
             };
             let (before, after) = (line(-30, -8), line(6, 24));
             let forces_n: [f32; 14] = core::array::from_fn(|i| sample_n(i as f32 - 8.0));
-            let free = Prior::default();
+            let rate_change = Prior { mean: 0.0, weight: 1e3 };
+            let noise_n2 = NOISE_N * NOISE_N;
             let data = Data {
                 before: &before,
                 samples: Samples::new(-8.0, &forces_n),
                 after: &after,
                 wander: ColoredNoise::NONE.into(),
-                rate: free,
-                inverse_omega: free,
-                rate_change: Prior { mean: 0.0, weight: 1e3 },
-                onset: free,
-                corner: Corner::default(),
+                priors: &Priors { noise_n2, rate_change, ..Priors::default() },
             };
             take(data, &cycle);
         }

@@ -149,7 +149,7 @@ mod tests {
             };
             synthetic::events(100, force_n, |data, cycle| {
                 let noise_n2 = NOISE_N * NOISE_N;
-                let Some(fit) = data.fit(cycle, noise_n2) else { return };
+                let Some(fit) = data.fit(cycle) else { return };
                 let Some(alone) = synthetic::alone(&fit, &data) else { return };
                 let shape = &fit.shape;
                 let mut asked = Asked::default();

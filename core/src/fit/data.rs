@@ -64,6 +64,40 @@ impl<'a> Samples<'a> {
     }
 }
 
+/// Priors of one event's unknowns, and the shape of its corners.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Priors {
+    /// Variance of the noise, N²: the unit of the priors' weights.
+    pub noise_n2: f32,
+    /// Prior of the loading rate, N per period.
+    pub rate: Prior,
+    /// Prior of the swing `1/ω`, periods.
+    pub inverse_omega: Prior,
+    /// Prior of the change of the loading rate over the slip, N per period.
+    pub rate_change: Prior,
+    /// Prior of the onset, from the slip's extremes; or the place at which the onset is held.
+    pub onset: Prior,
+    /// The rounding of the corners.
+    pub corner: Corner,
+}
+
+impl Priors {
+    /// The prior of each unknown, and the unknown's value.
+    #[must_use]
+    #[inline(never)]
+    pub(crate) fn with_values(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
+        let free = Prior::default();
+        [
+            (self.onset, cycle.onset),
+            (self.rate, cycle.rate),
+            (free, cycle.static_n),
+            (free, cycle.half_drop_n),
+            (self.inverse_omega, cycle.inverse_omega()),
+            (self.rate_change, cycle.rate_change),
+        ]
+    }
+}
+
 /// All data of one event's fit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Data<'a> {
@@ -75,16 +109,8 @@ pub(crate) struct Data<'a> {
     pub after: &'a Line,
     /// Correlated noise about both lines.
     pub wander: Wander,
-    /// Prior of the loading rate, N per period.
-    pub rate: Prior,
-    /// Prior of the swing `1/ω`, periods.
-    pub inverse_omega: Prior,
-    /// Prior of the change of the loading rate over the slip, N per period.
-    pub rate_change: Prior,
-    /// The rounding of the corners.
-    pub corner: Corner,
-    /// Prior of the onset, from the slip's extremes; or the place at which the onset is held.
-    pub onset: Prior,
+    /// The priors, and the shape of the corners.
+    pub priors: &'a Priors,
 }
 
 impl Data<'_> {
@@ -107,8 +133,8 @@ impl Data<'_> {
     /// The model force of a shape, with the rounding of its corners, if any.
     #[inline(never)]
     pub(crate) fn model<'a>(&self, shape: &'a Shape) -> Model<'a> {
-        let is_round = !self.corner.is_sharp();
-        Model { shape, rounded: is_round.then(|| self.corner.at(shape)) }
+        let corner = &self.priors.corner;
+        Model { shape, rounded: (!corner.is_sharp()).then(|| corner.at(shape)) }
     }
 
     /// Adds at most `most` samples, from the place `from` on, to the normal equations at a trial
@@ -155,7 +181,7 @@ impl Data<'_> {
         // The number of their pairs, 28, grows with the square.
         const MOST: usize = 8;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
-        let without = fit.without(&SWING, self.inverse_omega);
+        let without = fit.without(&SWING, self.priors.inverse_omega);
         let Without { tied: [_, _, by_static, by_drop, own, _], gain } =
             without.unwrap_or_default();
         let (from, to) = self.samples.slip;
@@ -197,7 +223,7 @@ impl Data<'_> {
         if knows_swing && without.is_some() {
             let (value, variance) = (fit.cycle().inverse_omega(), own + gain * own * own);
             slip.swing = OwnSwing {
-                value: value + gain * own * (value - self.inverse_omega.mean),
+                value: value + gain * own * (value - self.priors.inverse_omega.mean),
                 variance: noise_n2 * variance,
                 by_scatter: swing_by_scatter / variance,
             };
@@ -225,7 +251,7 @@ impl Data<'_> {
             let (rate, by) = shape.slope_after();
             normal.add(slope - rate, &by, weight);
         }
-        for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
+        for (unknown, (prior, value)) in self.priors.with_values(cycle).into_iter().enumerate() {
             normal.add_one(prior.mean - value, unknown, prior.weight);
         }
     }
@@ -257,21 +283,6 @@ impl Data<'_> {
             _ => return None,
         };
         Some((line.time, line.level_n, loosened(line.weight, self.wander.level)))
-    }
-
-    /// The prior of each unknown, and the unknown's value.
-    #[must_use]
-    #[inline(never)]
-    pub(crate) fn priors(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
-        let free = Prior::default();
-        [
-            (self.onset, cycle.onset),
-            (self.rate, cycle.rate),
-            (free, cycle.static_n),
-            (free, cycle.half_drop_n),
-            (self.inverse_omega, cycle.inverse_omega()),
-            (self.rate_change, cycle.rate_change),
-        ]
     }
 }
 

@@ -97,21 +97,19 @@ impl Fitting {
     }
 
     /// One step. Breaks with the fit, or with `None` when the data do not determine the unknowns.
-    ///
-    /// `noise_n2` is the variance of a sample; it is used for the convergence test only.
-    pub(crate) fn step(&mut self, data: &Data<'_>, noise_n2: f32) -> ControlFlow<Option<Fit>> {
+    pub(crate) fn step(&mut self, data: &Data<'_>) -> ControlFlow<Option<Fit>> {
         if let Some(pass) = &mut self.pass {
             if !pass.advance(data) {
                 return ControlFlow::Continue(());
             }
-            self.judge(noise_n2)?;
+            self.judge(data)?;
         }
-        self.propose(data, noise_n2)
+        self.propose(data)
     }
 
     /// Accepts the trial at the end of its pass, or refuses it.
-    fn judge(&mut self, noise_n2: f32) -> ControlFlow<Option<Fit>> {
-        let least_n2 = self.least_n2(noise_n2);
+    fn judge(&mut self, data: &Data<'_>) -> ControlFlow<Option<Fit>> {
+        let least_n2 = self.least_n2(data);
         // Rounding may make a good step look slightly worse. A NaN cost compares false and is a
         // refused step.
         let most_n2 = self.normal.cost + SETTLED * least_n2;
@@ -132,13 +130,13 @@ impl Fitting {
     }
 
     /// Proposes the next trial, or ends the fit if the step to it is below the tolerance.
-    fn propose(&mut self, data: &Data<'_>, noise_n2: f32) -> ControlFlow<Option<Fit>> {
+    fn propose(&mut self, data: &Data<'_>) -> ControlFlow<Option<Fit>> {
         self.steps += 1;
         let Some(factor) = self.normal.factor(self.damping) else { return self.refuse() };
         let step = factor.solve(&self.normal.right);
         // The expected gain of the step: its squared length in units of the noise.
         let gain = dot(&step, &self.normal.right);
-        let least_n2 = self.least_n2(noise_n2);
+        let least_n2 = self.least_n2(data);
         let trial = limited(moved(&self.cycle, &step));
         if smaller(data.nonlinearity_n2(&self.cycle, &step), gain) < SETTLED * least_n2 {
             (self.cycle, self.normal.cost) = (trial, self.normal.cost - gain);
@@ -150,8 +148,8 @@ impl Fitting {
         ControlFlow::Continue(())
     }
 
-    fn least_n2(&self, noise_n2: f32) -> f32 {
-        noise_n2 + rounding_n2(self.cycle.static_n)
+    fn least_n2(&self, data: &Data<'_>) -> f32 {
+        data.priors.noise_n2 + rounding_n2(self.cycle.static_n)
     }
 
     /// Makes the next steps smaller.
@@ -219,8 +217,7 @@ fn limited(cycle: CycleParams) -> CycleParams {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::data::Samples;
-    use crate::model::corner::Corner;
+    use crate::fit::{Priors, Samples};
     use crate::model::tests::dff8_13;
     use crate::noise::ripple::ColoredNoise;
     use crate::stats::line::Line;
@@ -229,10 +226,10 @@ mod tests {
     impl Data<'_> {
         /// Fits from a guess to convergence, see [`Fitting`].
         #[must_use]
-        pub(crate) fn fit(&self, guess: &CycleParams, noise_n2: f32) -> Option<Fit> {
+        pub(crate) fn fit(&self, guess: &CycleParams) -> Option<Fit> {
             let mut fitting = Fitting::new(guess);
             loop {
-                if let ControlFlow::Break(fit) = fitting.step(self, noise_n2) {
+                if let ControlFlow::Break(fit) = fitting.step(self) {
                     return fit;
                 }
             }
@@ -244,21 +241,19 @@ mod tests {
         let truth = dff8_13();
         let shape = truth.shape();
         let forces_n: [f32; 12] = core::array::from_fn(|i| shape.force(i as f32).0);
-        let (line, free) = (Line::default(), Prior::default());
+        let rate_change = Prior { mean: 0.0, weight: 1e6 };
+        let priors = Priors { noise_n2: 4.0, rate_change, ..Priors::default() };
+        let line = Line::default();
         let data = Data {
             before: &line,
             samples: Samples::new(0.0, &forces_n),
             after: &line,
             wander: ColoredNoise::NONE.into(),
-            rate: free,
-            inverse_omega: free,
-            rate_change: Prior { mean: 0.0, weight: 1e6 },
-            onset: free,
-            corner: Corner::default(),
+            priors: &priors,
         };
         let first_step = |onset, half_drop_n| {
             let mut fitting = Fitting::new(&CycleParams { onset, half_drop_n, ..truth });
-            fitting.step(&data, 4.0)
+            fitting.step(&data)
         };
         let ControlFlow::Break(Some(fit)) = first_step(3.303, 291.0) else { panic!("settles") };
         assert!((fit.cycle().static_n - truth.static_n).abs() < 0.02 && fit.cost < 0.04);

@@ -14,7 +14,7 @@ pub(crate) mod posterior;
 pub(crate) mod residuals;
 pub(crate) mod slip_residuals;
 
-pub(crate) use data::{Data, Samples};
+pub(crate) use data::{Data, Priors, Samples};
 pub(crate) use levenberg_marquardt::Fitting;
 
 use crate::fit::correction::Correction;

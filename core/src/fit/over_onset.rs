@@ -10,7 +10,7 @@ use core::ops::ControlFlow;
 
 use crate::fit::levenberg_marquardt::moved;
 use crate::fit::posterior::{Posterior, RESOLVED};
-use crate::fit::{Data, Fit, Fitting};
+use crate::fit::{Data, Fit, Fitting, Priors};
 use crate::model::{CycleParams, Shape};
 use crate::num::math::{self, smaller};
 use crate::stats::normal_equations::{UNKNOWNS, scaled};
@@ -66,23 +66,18 @@ impl OverOnset {
     }
 
     /// One iteration. Breaks with the posterior after the last place.
-    pub(crate) fn step(
-        &mut self,
-        data: &Data<'_>,
-        best: &Fit,
-        noise_n2: f32,
-    ) -> ControlFlow<Posterior> {
+    pub(crate) fn step(&mut self, data: &Data<'_>, best: &Fit) -> ControlFlow<Posterior> {
         let onset = best.cycle().onset + offset(self.place, self.fine).0;
         let steepest = self.from.rate + self.from.half_drop_n * self.from.omega;
         let held = Prior { mean: onset, weight: HELD * steepest * steepest };
-        let held = Data { onset: held, ..*data };
+        let held = Data { priors: &Priors { onset: held, ..*data.priors }, ..*data };
         let guess = CycleParams { onset, ..self.from };
         let fitting = self.fitting.get_or_insert_with(|| Fitting::brief(&guess, MOST_STEPS));
-        let ControlFlow::Break(fit) = fitting.step(&held, noise_n2) else {
+        let ControlFlow::Break(fit) = fitting.step(&held) else {
             return ControlFlow::Continue(());
         };
         self.fitting = None;
-        self.take(data, best, fit, noise_n2)
+        self.take(data, best, fit)
     }
 
     /// Number of places that were fitted.
@@ -91,20 +86,14 @@ impl OverOnset {
     }
 
     /// Adds the fit of one place.
-    fn take(
-        &mut self,
-        data: &Data<'_>,
-        best: &Fit,
-        fit: Option<Fit>,
-        noise_n2: f32,
-    ) -> ControlFlow<Posterior> {
+    fn take(&mut self, data: &Data<'_>, best: &Fit, fit: Option<Fit>) -> ControlFlow<Posterior> {
+        let (prior, noise_n2) = (data.priors.onset, data.priors.noise_n2);
         let (by, width) = offset(self.place, self.fine);
         let onset = best.cycle().onset + by;
         // Beyond an unlikely place all places are unlikely.
         let mut ends = fit.is_none();
         if let Some(fit) = &fit {
-            let expected =
-                data.onset.weight * (onset - data.onset.mean) * (onset - data.onset.mean);
+            let expected = prior.weight * (onset - prior.mean) * (onset - prior.mean);
             let cost = fit.cost + expected - best.cost;
             let likelihood = math::exp(-0.5 * cost / noise_n2);
             ends = likelihood < UNLIKELY;
@@ -264,19 +253,22 @@ mod tests {
             samples: Samples::new(-6.0, &forces_n),
             after: &line,
             wander: ColoredNoise::NONE.into(),
-            rate: Prior { mean: 20.0, weight: 0.1 },
-            inverse_omega: Prior { mean: 0.8 / omega, weight: 4.0 * omega * omega / 0.25 },
-            rate_change: Prior { mean: 0.0, weight: 1e6 },
-            onset: Prior { mean: 0.5 - 0.5 * slide, weight: 44.0 },
-            corner: Corner::default(),
+            priors: &Priors {
+                noise_n2: 4.0,
+                rate: Prior { mean: 20.0, weight: 0.1 },
+                inverse_omega: Prior { mean: 0.8 / omega, weight: 4.0 * omega * omega / 0.25 },
+                rate_change: Prior { mean: 0.0, weight: 1e6 },
+                onset: Prior { mean: 0.5 - 0.5 * slide, weight: 44.0 },
+                corner: Corner::default(),
+            },
         };
-        let fit = data.fit(&CycleParams { onset: onset + 0.1, ..truth }, 4.0).unwrap();
+        let fit = data.fit(&CycleParams { onset: onset + 0.1, ..truth }).unwrap();
         let Some(mut places) = OverOnset::new(&fit, true, 4.0) else {
             return (truth, Posterior::at(&fit, 4.0), [0, 0]);
         };
         let [mut passes, mut seen] = [0, 1];
         loop {
-            let step = places.step(&data, &fit, 4.0);
+            let step = places.step(&data, &fit);
             passes += 1;
             if let ControlFlow::Break(posterior) = step {
                 return (truth, posterior, [passes, seen]);

@@ -16,9 +16,10 @@ use crate::fit::levenberg_marquardt::Pass;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::excess_ratio;
-use crate::fit::{Fit, UNSURE_OSCILLATION};
+use crate::fit::{Fit, Priors, UNSURE_OSCILLATION};
 use crate::model::elongation::Elongation;
 use crate::num::math::{larger, smaller};
+use crate::stats::prior::Prior;
 
 /// Part of the drop by which the ends of a strained fit may differ from the highest and the lowest
 /// sample, besides what the line rises in a period. Tuned with the pauses of heavy blocks.
@@ -33,14 +34,14 @@ impl CycleFit {
     // A function of its own: inlined into `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn judge(&mut self, learnt: &mut Expectations) {
-        let (fit, slip, noise_n2) = (&mut self.fit, &self.slip, self.expected.noise_n2);
-        let data = self.expected.data(slip, &self.after);
+        let (fit, slip, noise_n2) = (&mut self.fit, &self.slip, self.priors.noise_n2);
+        let data = slip.data(&self.priors, &self.after);
         let (squares_n2, free) = own_residuals(&data, fit);
         // Without the residuals of the line after the slip: that line fits whatever the slip does.
         let (line_n2, points) = (self.after.residual(), larger(self.after.weight - 2.0, 0.0));
         let around_n2 = squares_n2 - line_n2;
         let misfit = learnt.is_misfit(slip, around_n2, free - points);
-        let is_other = fit.by_rate_n2(data.rate) > SURE * SURE * noise_n2;
+        let is_other = fit.by_rate_n2(data.priors.rate) > SURE * SURE * noise_n2;
         learnt.contradict(misfit || is_other);
         let counts = free >= 1.0 && !misfit;
         let own_n2 = squares_n2 / larger(free, 1.0);
@@ -84,7 +85,7 @@ impl CycleFit {
         };
         let places = OverOnset::new(fit, knows_swing, now_n2).filter(|_| !misfit);
         if let Some(places) = places {
-            self.expected = learnt.of(slip, &self.after, now_n2);
+            self.priors = learnt.of(slip, &self.after, now_n2);
             self.stage = FitStage::Places(places);
             self.shorten();
         } else {
@@ -99,7 +100,7 @@ impl CycleFit {
     fn shorten(&mut self) {
         const FAR: f32 = 1.0 + UNSURE;
         let (fit, slip) = (&mut self.fit, &mut self.slip);
-        if self.expected.corner.is_sharp() && fit.cycle().is_taut() && slip.wander.level <= 0.0 {
+        if self.priors.corner.is_sharp() && fit.cycle().is_taut() && slip.wander.level <= 0.0 {
             let (onset, stop) = (fit.cycle().onset, fit.shape.stop());
             // The squared residuals of samples that became part of a line.
             let left_n2 = slip.shorten(&mut self.after, (onset - FAR, stop + FAR));
@@ -112,7 +113,7 @@ impl CycleFit {
     #[inline(never)]
     pub(super) fn learn(&mut self, learnt: &mut Expectations) {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.slip));
-        let (slip, data) = (&self.slip, self.expected.data(&self.slip, &self.after));
+        let (slip, data) = (&self.slip, self.slip.data(&self.priors, &self.after));
         self.measured.noise_n2 = noise_n2;
         let Measured { posterior, alone, verdict, .. } = &mut self.measured;
         if slip.wander.level + slip.wander.line_excess <= 0.0 {
@@ -144,12 +145,15 @@ impl CycleFit {
         let asked =
             *verdict == Verdict::Same && self.strain == Strain::None && shows && learnt.asks();
         self.stage = if asked { FitStage::Alone(Pass::at(*fit.cycle())) } else { FitStage::Done };
+        // The tests use the event alone; the prior of the rate change stays.
+        let free = Prior::default();
+        self.priors = Priors { onset: free, rate: free, inverse_omega: free, ..self.priors };
     }
 
     /// Sets up the normal equations of the event without its priors.
     pub(super) fn alone(&mut self) {
         let FitStage::Alone(pass) = &mut self.stage else { return };
-        let data = self.expected.asked(&self.slip, &self.after);
+        let data = self.slip.asked(&self.priors, &self.after);
         if pass.advance(&data) {
             self.stage = pass.alone().map_or(FitStage::Done, |it| {
                 FitStage::Asked(Terms::Widen, it, Asked::default(), 0)
@@ -165,7 +169,7 @@ impl CycleFit {
         let FitStage::Asked(terms, alone, asked, next) = &mut self.stage else {
             return;
         };
-        let data = self.expected.asked(&self.slip, &self.after);
+        let data = self.slip.asked(&self.priors, &self.after);
         let levels = *next..*next + LEVELS_A_STEP;
         match terms {
             Terms::Widen => learnt.ask_scores(asked, (&data, levels), &self.fit.shape),
@@ -175,7 +179,7 @@ impl CycleFit {
         if *next < data.places() {
             return;
         }
-        let (corner, noise_n2) = (self.expected.corner, self.measured.noise_n2);
+        let (corner, noise_n2) = (self.priors.corner, self.measured.noise_n2);
         let widens = matches!(terms, Terms::Widen);
         let correction = if widens {
             let static_n2 = learnt.learn_scores(asked, alone, noise_n2);

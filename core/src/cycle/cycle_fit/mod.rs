@@ -15,7 +15,6 @@ use core::ops::ControlFlow;
 
 use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
 use crate::cycle::expectations::{Expectations, own_residuals};
-use crate::cycle::expected::Expected;
 use crate::cycle::refusal;
 use crate::cycle::slip_record::{SHORTEST_FALL, SlipRecord};
 use crate::detector::{MOST_PUT_OFF, Stick};
@@ -26,7 +25,7 @@ use crate::event::Reason;
 use crate::fit::levenberg_marquardt::Pass;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
-use crate::fit::{Alone, Fit, Fitting, Forces};
+use crate::fit::{Alone, Fit, Fitting, Forces, Priors};
 use crate::noise::sinusoid::{self, Sinusoid};
 use crate::num::math::{larger, smaller};
 use crate::signal::window::Window;
@@ -54,7 +53,7 @@ pub(crate) struct CycleFit {
     stage: FitStage,
     /// The event's priors: the same from the beginning of the fit to its end, and adapted to the
     /// noise by then where the onset is averaged.
-    expected: Expected,
+    priors: Priors,
     /// The fit, once it has converged, and the prior of the rate in its normal equations.
     fit: Fit,
     rate: Prior,
@@ -138,7 +137,7 @@ impl CycleFit {
             after: Line::default(),
             oscillation: Sinusoid::default(),
             stage: FitStage::New,
-            expected: Expected::default(),
+            priors: Priors::default(),
             fit: Fit::default(),
             rate: Prior::default(),
             strain: Strain::None,
@@ -199,9 +198,9 @@ impl CycleFit {
             FitStage::New if self.slip.begins_again(&self.after) => 12,
             FitStage::New if knows_omega => 18,
             FitStage::New => 52,
-            FitStage::Free(_) => 34 + self.expected.pass(&self.slip),
-            FitStage::Expected(_) => 4 + self.expected.pass(&self.slip),
-            FitStage::Places(_) => 10 + self.expected.pass(&self.slip),
+            FitStage::Free(_) => 34 + self.slip.pass(&self.priors),
+            FitStage::Expected(_) => 4 + self.slip.pass(&self.priors),
+            FitStage::Places(_) => 10 + self.slip.pass(&self.priors),
             FitStage::Converged => 40,
             FitStage::Fitted => 27 + 5 * (self.slip.fall() as usize).min(8),
             // More with an oscillation about the lines, whose source is then estimated, or with a
@@ -210,7 +209,7 @@ impl CycleFit {
                 let SlipRecord { wander, elongation, .. } = &self.slip;
                 22 + if wander.is_disputed() || elongation.sags() { 6 } else { 0 }
             }
-            FitStage::Alone(_) => 4 + self.expected.pass(&self.slip),
+            FitStage::Alone(_) => 4 + self.slip.pass(&self.priors),
             FitStage::Asked(Terms::Widen, .., next) => {
                 12 + (samples + 2 - next).min(LEVELS_A_STEP) * 3 / 2
             }
@@ -235,9 +234,9 @@ impl CycleFit {
 
     fn free(&mut self, learnt: &Expectations) {
         let FitStage::Free(fitting) = &mut self.stage else { return };
-        let noise_n2 = self.expected.noise_n2;
-        let data = self.expected.data(&self.slip, &self.after);
-        let ControlFlow::Break(fit) = fitting.step(&data, noise_n2) else {
+        let noise_n2 = self.priors.noise_n2;
+        let data = self.slip.data(&self.priors, &self.after);
+        let ControlFlow::Break(fit) = fitting.step(&data) else {
             return;
         };
         if let Some(fit) = fit {
@@ -253,9 +252,9 @@ impl CycleFit {
     }
 
     fn begin(&mut self, learnt: &Expectations, noise_n2: f32) -> Fitting {
-        self.expected = learnt.of(&self.slip, &self.after, noise_n2);
+        self.priors = learnt.of(&self.slip, &self.after, noise_n2);
         self.slip.begin_again(&self.after).unwrap_or_else(|| {
-            let data = self.expected.data(&self.slip, &self.after);
+            let data = self.slip.data(&self.priors, &self.after);
             self.slip.guess(&data, learnt.knows_omega())
         })
     }
@@ -263,8 +262,8 @@ impl CycleFit {
     fn expected(&mut self, learnt: &mut Expectations) {
         let FitStage::Expected(fitting) = &mut self.stage else { return };
         let slip = &self.slip;
-        let data = self.expected.data(slip, &self.after);
-        let ControlFlow::Break(fit) = fitting.step(&data, self.expected.noise_n2) else {
+        let data = slip.data(&self.priors, &self.after);
+        let ControlFlow::Break(fit) = fitting.step(&data) else {
             return;
         };
         let holds = |fit: &&Fit| fit.converged && slip.holds(&fit.shape);
@@ -275,7 +274,7 @@ impl CycleFit {
             self.stage = FitStage::Failed(Reason::NoFit);
             return;
         };
-        (self.fit, self.rate) = (*fit, self.expected.rate);
+        (self.fit, self.rate) = (*fit, self.priors.rate);
         let shapely = refusal::is_shapely(slip);
         let next = if shapely { FitStage::Converged } else { FitStage::Fitted };
         self.stage = slip.hidden.map_or(next, FitStage::Failed);
@@ -286,7 +285,7 @@ impl CycleFit {
     /// side, unless enough samples lie in the slip.
     fn place(&mut self, late: bool) {
         let FitStage::Places(places) = &mut self.stage else { return };
-        let (fit, noise_n2) = (&self.fit, self.expected.noise_n2);
+        let (fit, noise_n2) = (&self.fit, self.priors.noise_n2);
         let posterior = if late || f32::from(places.seen()) > PLACES * self.slip.limit {
             let mut at = Posterior::at(fit, noise_n2);
             if self.slip.fall() < SHORTEST_FALL {
@@ -294,8 +293,8 @@ impl CycleFit {
             }
             at
         } else {
-            let data = self.expected.data(&self.slip, &self.after);
-            let step = places.step(&data, fit, noise_n2);
+            let data = self.slip.data(&self.priors, &self.after);
+            let step = places.step(&data, fit);
             let ControlFlow::Break(posterior) = step else { return };
             posterior
         };

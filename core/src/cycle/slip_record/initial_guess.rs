@@ -31,15 +31,16 @@ impl SlipRecord {
         let middle_n = 0.5 * (self.peak.force_n + self.low.force_n);
         let slack = self.slack(data.after);
         let centre_n = slack.map_or(middle_n, |slack| slack.centre_n);
+        let (swing, rate) = (data.priors.inverse_omega.mean, data.priors.rate.mean);
         if known_swing {
-            let guess = self.with_swing(data.inverse_omega.mean, data.rate.mean, centre_n);
+            let guess = self.with_swing(swing, rate, centre_n);
             return Fitting::new(&self.through_samples(guess));
         }
         let fall = self.fall() / slack.map_or(1.0, |slack| slack.part);
         let with_part = |part: f32| {
             let slide = larger(part * fall, 0.5);
-            let phase = math::atan2(data.rate.mean * slide, PI * (self.peak.force_n - centre_n));
-            self.with_swing(slide / (PI + 2.0 * phase), data.rate.mean, centre_n)
+            let phase = math::atan2(rate * slide, PI * (self.peak.force_n - centre_n));
+            self.with_swing(slide / (PI + 2.0 * phase), rate, centre_n)
         };
         let (mut best, mut least_n2) = (with_part(1.0), None);
         // The highest and the lowest sample are each off by half a period at most.

@@ -1,5 +1,6 @@
 //! A slip between two stick lines, gathered sample by sample.
 
+mod data;
 mod extremes;
 mod initial_guess;
 mod oscillation;

@@ -38,15 +38,13 @@ impl SlipRecord {
 mod tests {
     use super::*;
     use crate::cycle::slip_record::{CORE, Extreme, Rough};
-    use crate::fit::Data;
-    use crate::model::corner::Corner;
+    use crate::fit::{Data, Priors};
     use crate::model::elongation::Elongation;
     use crate::model::tests::dff8_13;
     use crate::noise::ripple::ColoredNoise;
     use crate::noise::sinusoid::Sinusoid;
     use crate::num::math;
     use crate::stats::normal_equations::{Normal, UNKNOWNS};
-    use crate::stats::prior::Prior;
 
     const SAMPLES: usize = 20;
 
@@ -92,17 +90,12 @@ mod tests {
     }
 
     fn normal(record: &SlipRecord, after: &Line) -> Normal {
-        let free = Prior::default();
         let data = Data {
             before: &record.before,
             samples: record.samples(),
             after,
             wander: record.wander,
-            rate: free,
-            inverse_omega: free,
-            rate_change: free,
-            corner: Corner::default(),
-            onset: free,
+            priors: &Priors::default(),
         };
         let mut cycle = dff8_13();
         cycle.onset += 0.3;

@@ -299,7 +299,7 @@ impl CornerEstimator {
 mod tests {
     use super::*;
     use crate::effects::synthetic::{self, NOISE_N};
-    use crate::fit::Data;
+    use crate::fit::{Data, Priors};
     use crate::model::CycleParams;
 
     /// Events with the corners `truth`: the number with round corners found, and the estimate after
@@ -311,15 +311,16 @@ mod tests {
             shape.force(time).0 + truth.at(&shape).shift(time - cycle.onset).force_n
         };
         synthetic::events(events, force_n, |data, cycle| {
-            let data = Data { corner: learnt.expected(22.5, cycle.inverse_omega()), ..data };
+            let corner = learnt.expected(22.5, cycle.inverse_omega());
+            let data = Data { priors: &Priors { corner, ..*data.priors }, ..data };
             let noise_n2 = NOISE_N * NOISE_N;
-            let Some(fit) = data.fit(cycle, noise_n2) else { return };
+            let Some(fit) = data.fit(cycle) else { return };
             let Some(alone) = synthetic::alone(&fit, &data) else { return };
             // In two parts, as for the samples of a long slip.
             let mut asked = Asked::default();
             ask(&mut asked, &data, &fit, 0..5);
             ask(&mut asked, &data, &fit, 5..data.places());
-            learnt.learn(data.corner, &fit, (&alone, &asked), noise_n2, 0.0);
+            learnt.learn(corner, &fit, (&alone, &asked), noise_n2, 0.0);
             round += u16::from(!learnt.corner.is_sharp());
         });
         (round, learnt)

@@ -22,7 +22,7 @@ pub(super) struct CornerScore {
 
 /// Adds an event's levels at some places to the score of its corners.
 pub(crate) fn ask(asked: &mut Asked, data: &Data<'_>, fit: &Fit, places: Range<usize>) {
-    let (shape, rounded) = (&fit.shape, data.corner.at(&fit.shape));
+    let (shape, rounded) = (&fit.shape, data.priors.corner.at(&fit.shape));
     for (time, force_n, weight) in data.levels_in(places) {
         let (force, mut gradient) = shape.force(time);
         let shift = rounded.shift(time - fit.cycle().onset);
