@@ -148,7 +148,7 @@ impl CycleTracker {
         let Progress::Answered(first) = &ended.progress else { return None };
         let first = first.as_ref().filter(|fit| self.shows_slip(fit));
         if let Some(slip) = &mut self.pending {
-            slip.take_first_answer(first.map(|fit| *fit.cycle()));
+            slip.take_first_answer(first);
         }
         if let Some(finishing) = &mut self.finishing {
             let (stick, end) = (&ended.stick, ended.end());

@@ -239,14 +239,14 @@ impl CycleFit {
         let ControlFlow::Break(fit) = fitting.step(&data) else {
             return;
         };
-        if let Some(fit) = fit {
-            let (squares_n2, free) = own_residuals(&data, &fit);
+        if let Some(fit) = &fit {
+            let (squares_n2, free) = own_residuals(&data, fit);
             if free >= 1.0 {
                 let own_n2 = larger(self.slip.least_n2(squares_n2 / free), noise_n2);
                 self.slip.noise_n2 = smaller(self.slip.noise_n2, own_n2);
             }
         }
-        self.slip.begin_from(fit.map(|fit| *fit.cycle()));
+        self.slip.begin_from(fit.as_ref());
         let noise_n2 = learnt.noise_n2(&self.slip);
         self.stage = FitStage::Expected(self.begin(learnt, noise_n2));
     }

@@ -11,7 +11,7 @@ use core::ops::Range;
 use crate::cycle::slip_record::extremes::{Extreme, Rough};
 use crate::detector::{Detector, Stick};
 use crate::event::Reason;
-use crate::fit::Samples;
+use crate::fit::{Fit, Samples};
 use crate::model::elongation::Elongation;
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::Wander;
@@ -154,17 +154,18 @@ impl SlipRecord {
     }
 
     /// Sets the cycle of the first answer, if there is one.
-    pub(crate) fn take_first_answer(&mut self, cycle: Option<CycleParams>) {
-        self.begin_from(cycle);
-        if self.rest_weight < 1.0 && cycle.is_some() {
+    pub(crate) fn take_first_answer(&mut self, first: Option<&Fit>) {
+        self.begin_from(first);
+        if self.rest_weight < 1.0 && first.is_some() {
             self.rest_from = self.slip.1 - UNSURE;
         }
     }
 
-    /// Sets the cycle from which the last fit begins, if there is one.
-    pub(crate) fn begin_from(&mut self, cycle: Option<CycleParams>) {
-        let slip = |cycle: CycleParams| (cycle.onset, cycle.shape().stop());
-        (self.early, self.slip) = (cycle, cycle.map_or_else(|| self.extremes(), slip));
+    /// Sets the cycle from which the last fit begins, that of an earlier fit, if there is one.
+    pub(crate) fn begin_from(&mut self, earlier: Option<&Fit>) {
+        let slip = |fit: &Fit| (fit.cycle().onset, fit.shape.stop());
+        self.early = earlier.map(|fit| *fit.cycle());
+        self.slip = earlier.map_or_else(|| self.extremes(), slip);
     }
 
     /// Appends the samples that follow the last one taken, up to the index `to`, as room allows.
