@@ -1,6 +1,6 @@
 //! Detection of a change of the block's mass or of its friction, from one event to the next.
 
-use crate::coefficient::Coefficient;
+use crate::coefficient::{Coefficient, Site};
 use crate::cycle::expectations::{Expectations, is_clear};
 use crate::cycle::refusal::{FAST, is_no_chance};
 use crate::cycle::slip_record::SlipRecord;
@@ -66,6 +66,7 @@ impl CycleTracker {
     /// errors.
     pub(super) fn judged(
         &mut self,
+        site: &Site,
         mut event: Event,
         alone: Option<(Coefficient, Coefficient)>,
         posterior: &Posterior,
@@ -77,7 +78,6 @@ impl CycleTracker {
             (event.mu_s, event.mu, event.reason) = (None, None, Some(Reason::Suspect));
             return event.into();
         }
-        let site = self.site();
         // Only a sag that shifts `Fp` is common to all events; one that is only possible is not.
         let sag_n2 = if shift_n > 0.0 { shift_n2 } else { 0.0 };
         let (static_n2, dynamic_n2) = posterior.common_n2;

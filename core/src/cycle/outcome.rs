@@ -1,5 +1,6 @@
 //! How an event ends: with its coefficients, or with the reason why there are none.
 
+use crate::coefficient::Site;
 use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
 use crate::cycle::refusal::{self, FAST, RootStiffnessRatio};
 use crate::cycle::slip_record::SlipRecord;
@@ -78,8 +79,8 @@ impl CycleTracker {
             let mu_s = site.coefficient(forces.static_n, forces.static_n2);
             (mu_s, site.coefficient(forces.dynamic_n - shift.0, forces.dynamic_n2))
         });
-        let event = self.measured(slip, posterior, &shape, shift);
-        let mut finished = self.judged(event, alone, posterior, shift, *verdict);
+        let event = self.measured(&site, slip, posterior, &shape, shift);
+        let mut finished = self.judged(&site, event, alone, posterior, shift, *verdict);
         if event.slack && !slip.shows(after, loads) {
             // The samples do not show how far the block slid while the cable was slack.
             (finished.event.mu, finished.alone) = (None, None);
@@ -159,6 +160,7 @@ impl CycleTracker {
     /// The event with its coefficients, and with omega where the slip is resolved.
     fn measured(
         &self,
+        site: &Site,
         slip: &SlipRecord,
         posterior: &Posterior,
         shape: &Shape,
@@ -166,7 +168,6 @@ impl CycleTracker {
     ) -> Event {
         let cycle = &posterior.cycle;
         let mut event = self.bare(slip, cycle, shape);
-        let site = self.site();
         let (static_n2, dynamic_n2) = posterior.forces_n2();
         let unsteady_n2 = self.learnt.unsteady_n2(slip, posterior);
         event.mu_s = Some(site.coefficient(cycle.static_n, static_n2 + unsteady_n2.0));
