@@ -188,14 +188,12 @@ impl Data<'_> {
         // At least 1, also for a slip whose ends are NaN.
         let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
         let inside = self.samples.good().filter(|&(time, _)| time > from && time < to);
+        let used = inside.step_by(stride).take(MOST);
         let model = self.model(&fit.shape);
         // Of each sample used so far: its steepness, and the shift of the unknowns by its error.
         let mut others = [(0.0, Gradient::default()); MOST];
-        let (mut place, mut swing_by_scatter) = (0, 0.0);
-        for (number, (time, measured_n)) in inside.enumerate() {
-            if !number.is_multiple_of(stride) || place >= MOST {
-                continue;
-            }
+        let mut swing_by_scatter = 0.0;
+        for (place, (time, measured_n)) in used.enumerate() {
             let steepness = self.samples.steepness(time);
             let (off_n, gradient) = model.residual(time, measured_n);
             let weighted = scaled(&gradient, self.samples.weight(time));
@@ -208,7 +206,6 @@ impl Data<'_> {
             if let Some(own) = others.get_mut(place) {
                 *own = (steepness, moved);
             }
-            place += 1;
             let weight = steepness * stride as f32;
             let [onset, rate, static_n, drop_n, swing, rate_change] = moved;
             let apart = gain * swing;

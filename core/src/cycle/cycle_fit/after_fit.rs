@@ -16,7 +16,7 @@ use crate::fit::levenberg_marquardt::Pass;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::excess_ratio;
-use crate::fit::{Fit, Priors, UNSURE_OSCILLATION};
+use crate::fit::{Priors, UNSURE_OSCILLATION};
 use crate::model::elongation::Elongation;
 use crate::num::math::{larger, smaller};
 use crate::stats::prior::Prior;
@@ -83,7 +83,7 @@ impl CycleFit {
             (_, true) => Strain::Strained,
             _ => Strain::None,
         };
-        let places = OverOnset::new(fit, knows_swing, now_n2).filter(|_| !misfit);
+        let places = OverOnset::new(fit, knows_swing).filter(|_| !misfit);
         if let Some(places) = places {
             self.priors = learnt.of(slip, &self.after, now_n2);
             self.stage = FitStage::Places(places);
@@ -251,15 +251,4 @@ pub(super) enum Strain {
     Strained,
     /// So large that the model does not describe the samples.
     Misfit,
-}
-
-impl Strain {
-    /// The posterior averaged over places of the onset includes the noise only. Where the misfit is
-    /// larger, its variances are raised to those of the fit, which include the misfit.
-    pub(super) fn around(self, posterior: Posterior, fit: &Fit, noise_n2: f32) -> Posterior {
-        match self {
-            Self::None => posterior,
-            Self::Strained | Self::Misfit => posterior.widened(&Posterior::at(fit, noise_n2)),
-        }
-    }
 }

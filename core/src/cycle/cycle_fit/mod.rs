@@ -285,20 +285,17 @@ impl CycleFit {
     /// side, unless enough samples lie in the slip.
     fn place(&mut self, late: bool) {
         let FitStage::Places(places) = &mut self.stage else { return };
-        let (fit, noise_n2) = (&self.fit, self.priors.noise_n2);
-        let posterior = if late || f32::from(places.seen()) > PLACES * self.slip.limit {
-            let mut at = Posterior::at(fit, noise_n2);
+        self.measured.posterior = if late || f32::from(places.seen()) > PLACES * self.slip.limit {
+            let mut at = Posterior::at(&self.fit, self.priors.noise_n2);
             if self.slip.fall() < SHORTEST_FALL {
                 at.begin_anywhere();
             }
             at
         } else {
             let data = self.slip.data(&self.priors, &self.after);
-            let step = places.step(&data, fit);
-            let ControlFlow::Break(posterior) = step else { return };
+            let ControlFlow::Break(posterior) = places.step(&data, &self.fit) else { return };
             posterior
         };
-        self.measured.posterior = self.strain.around(posterior, fit, noise_n2);
         self.excess = 1.0;
         self.stage = FitStage::Learning;
     }
