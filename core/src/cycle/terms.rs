@@ -9,7 +9,7 @@ use crate::effects::onset;
 use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
 use crate::fit::posterior::Posterior;
-use crate::fit::{Alone, Data, Fit};
+use crate::fit::{Data, Fit};
 use crate::model::Shape;
 use crate::model::corner::Corner;
 use crate::noise::ripple::ColoredNoise;
@@ -34,12 +34,12 @@ impl Expectations {
         &mut self,
         used: Corner,
         fit: &Fit,
-        asked: (&Alone, &Asked),
+        score: &Asked,
         noise_n2: f32,
     ) -> Correction {
         let other_n2 = self.onset.read(|onset| onset.largest_n2(fit.cycle().half_drop_n));
         let effect =
-            self.corner.update(|corner| corner.learn(used, fit, asked, noise_n2, other_n2));
+            self.corner.update(|corner| corner.learn(used, fit, score, noise_n2, other_n2));
         let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
         self.rate.translate(rate);
         self.mass.translate(inverse_omega);
@@ -85,8 +85,7 @@ impl Expectations {
     }
 
     /// Learns these terms when all levels are in. Returns the variance that they add to `Fs`, N².
-    pub(crate) fn learn_scores(&mut self, asked: &mut Asked, alone: &Alone, noise_n2: f32) -> f32 {
-        asked.free(alone);
+    pub(crate) fn learn_scores(&mut self, asked: &Asked, noise_n2: f32) -> f32 {
         if self.effects.has(Effect::Damping) {
             // The slip of a sagging cable is no ellipse, which looks like a damping ratio of a
             // tenth or more.

@@ -180,12 +180,13 @@ impl CycleFit {
             return;
         }
         let (corner, noise_n2) = (self.priors.corner, self.measured.noise_n2);
+        asked.free(alone);
         let widens = matches!(terms, Terms::Widen);
         let correction = if widens {
-            let static_n2 = learnt.learn_scores(asked, alone, noise_n2);
+            let static_n2 = learnt.learn_scores(asked, noise_n2);
             Correction { static_n2, ..Correction::default() }
         } else {
-            learnt.learn_corner(corner, &self.fit, (alone, asked), noise_n2)
+            learnt.learn_corner(corner, &self.fit, asked, noise_n2)
         };
         if widens && learnt.asks_corner(&corner) {
             (*terms, *asked, *next) = (Terms::Corner, Asked::default(), 0);

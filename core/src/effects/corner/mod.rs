@@ -11,11 +11,11 @@ mod score;
 
 use crate::effect::Parameter;
 pub(crate) use crate::effects::corner::score::ask;
-use crate::effects::corner::score::{CornerScore, numbers_of, with_zeros};
+use crate::effects::corner::score::{numbers_of, with_zeros};
 use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
-use crate::fit::{Alone, DYNAMIC, Fit, STATIC};
-use crate::model::corner::{Corner, Numbers};
+use crate::fit::{DYNAMIC, Fit, STATIC};
+use crate::model::corner::{Corner, NUMBERS, Numbers};
 use crate::num::math::{self, larger, smaller};
 use crate::stats::normal_equations::{ENTRIES_OF_FIRST, Factor, Gradient, Symmetric, dot, place};
 use crate::stats::prior::surely;
@@ -135,29 +135,30 @@ impl CornerEstimator {
         !is_sharp || self.events <= FIRST || self.events.is_multiple_of(SELDOM)
     }
 
-    /// Adds an event's score; returns the correction of its forces. `other_n2` is the square of
+    /// Adds an event's score, its unknowns free; returns the correction of its forces. `other_n2` is the square of
     /// another force by which the slips depart from the model. As far as that is as large as `h` it
     /// may be the cause instead of the corners, and their shift of `Fp` is added to the variance.
     pub(crate) fn learn(
         &mut self,
         used: Corner,
         fit: &Fit,
-        (alone, asked): (&Alone, &Asked),
+        score: &Asked,
         noise_n2: f32,
         other_n2: f32,
     ) -> Correction {
-        let score = CornerScore::of(used, fit, alone, *asked);
-        let effect = score.as_ref().and_then(|score| self.take(score, noise_n2));
-        let mut effect = effect.unwrap_or_default();
+        // Zero is valid: without creep there is no information on its range.
+        if (0..NUMBERS).any(|i| score.normal.matrix[[i, i]].is_nan()) {
+            return Correction::default();
+        }
+        let inverse_omega = fit.cycle().inverse_omega();
+        let mut effect = self.take(&used, inverse_omega, score, noise_n2).unwrap_or_default();
         let Corner { smoothing, missing_n, range_n } = self.corner;
-        if let Some(score) = &score {
+        // Only with creep, for which the other departure may be mistaken.
+        if missing_n > 0.0 {
             let [by_smoothing, by_missing, _] = score.by(&DYNAMIC);
             let moved_n = by_smoothing * smoothing + by_missing * missing_n;
             let doubt = math::smaller(other_n2, missing_n * missing_n) / (missing_n * missing_n);
-            // Only with creep, for which the other departure may be mistaken.
-            if missing_n > 0.0 {
-                effect.dynamic_n2 += PART * doubt * moved_n * moved_n;
-            }
+            effect.dynamic_n2 += PART * doubt * moved_n * moved_n;
         }
         if effect.is_finite() && (smoothing + missing_n + range_n).is_finite() {
             return effect;
@@ -183,16 +184,23 @@ impl CornerEstimator {
         self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by)
     }
 
-    fn take(&mut self, score: &CornerScore, noise_n2: f32) -> Option<Correction> {
+    /// Takes the score of an event with this swing, fitted with the corners `corner`.
+    fn take(
+        &mut self,
+        corner: &Corner,
+        inverse_omega: f32,
+        score: &Asked,
+        noise_n2: f32,
+    ) -> Option<Correction> {
         if !score.determines(1) {
             let [static_n2, dynamic_n2] =
                 [STATIC, DYNAMIC].map(|force| self.possible_n2(score.by(&force)));
             return Some(Correction { static_n2, dynamic_n2, ..Correction::default() });
         }
         if self.count <= 0.0 {
-            self.begin(&score.corner);
+            self.begin(corner);
         }
-        let used = self.numbers(&score.corner);
+        let used = self.numbers(corner);
         let sharp = score.of_sharp(&used);
         self.add(score, &sharp, &used, noise_n2);
         let information = Symmetric::of_first(&self.information);
@@ -204,13 +212,13 @@ impl CornerEstimator {
             // The distance from the expectation before this event, times that from the estimate
             // with it: its mean is the variance of the noise.
             let squared = (sharp[k] - before[k]) * (sharp[k] - after[k]);
-            self.chi_square += 0.5 * squared / (score.asked.normal.matrix[[k, k]] * noise_n2);
+            self.chi_square += 0.5 * squared / (score.normal.matrix[[k, k]] * noise_n2);
         }
         self.best = best;
         // Scores that scatter by more than the noise make the variances larger in proportion.
         let excess = math::larger(self.chi_square / math::larger(self.count - 1.0, 1.0), 1.0);
         let factor = self.decide(information, &free, excess, &used)?;
-        let moved = self.limited(score, &used);
+        let moved = self.limited(score, inverse_omega, &used);
         let variance = |force: &Gradient| {
             let by = score.by(force);
             let possible = self.possible_n2(by);
@@ -222,10 +230,10 @@ impl CornerEstimator {
     }
 
     /// Adds an event's score and information.
-    fn add(&mut self, score: &CornerScore, sharp: &Numbers, used: &Numbers, noise_n2: f32) {
+    fn add(&mut self, score: &Asked, sharp: &Numbers, used: &Numbers, noise_n2: f32) {
         self.count = FADE * self.count + 1.0;
         let fade = |sum: &mut f32, by: f32| *sum = FADE * *sum + by / noise_n2;
-        let of_event = score.asked.normal.matrix.entries();
+        let of_event = score.normal.matrix.entries();
         self.information.iter_mut().zip(of_event).for_each(|(sum, by)| fade(sum, *by));
         self.right.iter_mut().zip(sharp).for_each(|(sum, by)| fade(sum, *by));
         // Keeps the prior of the range while no event determines it.
@@ -275,13 +283,12 @@ impl CornerEstimator {
 
     /// Moves the corners from the values used in the fit to those that count now, within the limits
     /// of first order. Returns the shift of the event's own unknowns.
-    fn limited(&mut self, score: &CornerScore, used: &Numbers) -> Gradient {
+    fn limited(&mut self, score: &Asked, swing: f32, used: &Numbers) -> Gradient {
         let mut steps = self.numbers(&self.corner);
         steps.iter_mut().zip(used).for_each(|(step, used)| *step -= used);
         let mut moved = score.moved(&steps);
         let [onset, _, _, _, inverse_omega, _] = moved;
-        let far = larger((onset / MOST_ONSET).abs(), (inverse_omega / MOST_SWING).abs())
-            / score.inverse_omega;
+        let far = larger((onset / MOST_ONSET).abs(), (inverse_omega / MOST_SWING).abs()) / swing;
         if far > 1.0 {
             let part = 1.0 / far;
             moved.iter_mut().for_each(|moved| *moved *= part);
@@ -320,7 +327,8 @@ mod tests {
             let mut asked = Asked::default();
             ask(&mut asked, &data, &fit, 0..5);
             ask(&mut asked, &data, &fit, 5..data.places());
-            learnt.learn(corner, &fit, (&alone, &asked), noise_n2, 0.0);
+            asked.free(&alone);
+            learnt.learn(corner, &fit, &asked, noise_n2, 0.0);
             round += u16::from(!learnt.corner.is_sharp());
         });
         (round, learnt)

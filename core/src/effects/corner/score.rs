@@ -3,22 +3,13 @@
 use core::ops::Range;
 
 use crate::effects::score::Asked;
-use crate::fit::{Alone, Data, Fit};
-use crate::model::corner::{Corner, NUMBERS, Numbers};
+use crate::fit::{Data, Fit};
+use crate::model::corner::Numbers;
 use crate::stats::normal_equations::{Factor, Gradient, dot};
 
 /// Least part of a parameter's information that is left with the unknowns free: less is lost in
 /// rounding, and the event does not determine the parameter.
 const LEAST_OWN: f32 = 1e-3;
-
-/// One event's score for the corners, without priors.
-pub(super) struct CornerScore {
-    /// The corners that the event was fitted with, and its swing.
-    pub(super) corner: Corner,
-    pub(super) inverse_omega: f32,
-    /// Normal equations of the steps of the three parameters from there, the unknowns free.
-    pub(super) asked: Asked,
-}
 
 /// Adds an event's levels at some places to the score of its corners.
 pub(crate) fn ask(asked: &mut Asked, data: &Data<'_>, fit: &Fit, places: Range<usize>) {
@@ -31,30 +22,22 @@ pub(crate) fn ask(asked: &mut Asked, data: &Data<'_>, fit: &Fit, places: Range<u
     }
 }
 
-impl CornerScore {
-    /// Frees the unknowns, when all levels are added. `None` where the information is NaN.
-    pub(super) fn of(corner: Corner, fit: &Fit, alone: &Alone, mut asked: Asked) -> Option<Self> {
-        let inverse_omega = fit.cycle().inverse_omega();
-        asked.free(alone);
-        // Zero is valid: without creep there is no information on its range.
-        let is_number = (0..NUMBERS).all(|i| !asked.normal.matrix[[i, i]].is_nan());
-        is_number.then_some(Self { corner, inverse_omega, asked })
-    }
-
+/// The normal equations of the steps of the three parameters, the unknowns free.
+impl Asked {
     /// Does the event determine a parameter beyond rounding?
     pub(super) fn determines(&self, number: usize) -> bool {
-        self.asked.left[number] > LEAST_OWN
+        self.left[number] > LEAST_OWN
     }
 
     /// Decrease of a force when each parameter grows by one.
     pub(super) fn by(&self, force: &Gradient) -> Numbers {
-        self.asked.response.map(|response| dot(&response, force))
+        self.response.map(|response| dot(&response, force))
     }
 
     /// Shift of the unknowns when the parameters grow by these steps.
     pub(super) fn moved(&self, steps: &Numbers) -> Gradient {
         let mut moved = Gradient::default();
-        for (response, step) in self.asked.response.iter().zip(steps) {
+        for (response, step) in self.response.iter().zip(steps) {
             moved.iter_mut().zip(response).for_each(|(moved, by)| *moved -= step * by);
         }
         moved
@@ -63,7 +46,7 @@ impl CornerScore {
     /// The score that a fit with sharp corners would have, to first order.
     pub(super) fn of_sharp(&self, used: &Numbers) -> Numbers {
         let mut score = self.times(used);
-        score.iter_mut().zip(self.asked.normal.right).for_each(|(score, right)| *score += right);
+        score.iter_mut().zip(self.normal.right).for_each(|(score, right)| *score += right);
         score
     }
 
@@ -73,7 +56,7 @@ impl CornerScore {
         let mut product = Numbers::default();
         for (i, sum) in product.iter_mut().enumerate() {
             for (j, number) in numbers.iter().enumerate() {
-                *sum += self.asked.normal.matrix[[i.max(j), i.min(j)]] * number;
+                *sum += self.normal.matrix[[i.max(j), i.min(j)]] * number;
             }
         }
         product
