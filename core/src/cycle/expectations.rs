@@ -93,7 +93,7 @@ impl Expectations {
     pub(crate) fn weigh(&mut self, slip: &SlipRecord) {
         if slip.rest_weight < 1.0 && !self.weighted {
             self.weighted = true;
-            self.residuals = Residuals::new();
+            self.residuals = Residuals::default();
         }
     }
 

@@ -26,19 +26,6 @@ pub(crate) struct Correlation {
 }
 
 impl Correlation {
-    /// Without values.
-    #[must_use]
-    pub(crate) const fn new() -> Self {
-        Self {
-            reference: 0.0,
-            count: 0,
-            sum: DoubleSingle::ZERO,
-            first: [0.0; LAGS],
-            last: [0.0; LAGS],
-            products: [DoubleSingle::ZERO; LAGS],
-        }
-    }
-
     /// Takes the next value.
     pub(crate) fn add(&mut self, value: f32) {
         if self.count == 0 {
@@ -162,7 +149,14 @@ impl Correlation {
 
 impl Default for Correlation {
     fn default() -> Self {
-        Self::new()
+        Self {
+            reference: 0.0,
+            count: 0,
+            sum: DoubleSingle::ZERO,
+            first: [0.0; LAGS],
+            last: [0.0; LAGS],
+            products: [DoubleSingle::ZERO; LAGS],
+        }
     }
 }
 
@@ -179,7 +173,7 @@ mod tests {
     }
 
     fn all(from: usize, to: usize) -> Correlation {
-        let mut c = Correlation::new();
+        let mut c = Correlation::default();
         (from..to).for_each(|i| c.add(value(i) as f32));
         c
     }
@@ -232,7 +226,7 @@ mod tests {
         let variance = (0..200).map(|i| (value(i) - mean).powi(2)).sum::<f64>() / 199.0;
         let inflation = c.inflation(mean.into(), variance as f32);
         assert!(inflation > 10.0, "{inflation}");
-        let mut alternating = Correlation::new();
+        let mut alternating = Correlation::default();
         (0..200).for_each(|i| alternating.add((i % 2) as f32));
         assert!((alternating.inflation(0.5_f32.into(), 0.25) - 1.0).abs() < 1e-9);
     }
@@ -252,7 +246,7 @@ mod tests {
             });
             let mean = row.iter().sum::<f32>() / 134.0;
             let variance = row.iter().map(|x| (x - mean) * (x - mean)).sum::<f32>() / 133.0;
-            let mut c = Correlation::new();
+            let mut c = Correlation::default();
             row.into_iter().for_each(|x| c.add(x));
             let inflation = c.inflation(mean.into(), variance);
             let reach = t95(133.0 / inflation);

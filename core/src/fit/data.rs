@@ -245,8 +245,8 @@ impl Data<'_> {
         level.0 += model.shift_n(since_onset);
         add_level(normal, after, &self.wander, &level);
         if let Some((slope, weight)) = slope(after, &self.wander) {
-            let (rate, by) = shape.slope_after();
-            normal.add(slope - rate, &by, weight);
+            let rate = cycle.rate + cycle.rate_change;
+            normal.add(slope - rate, &[0.0, 1.0, 0.0, 0.0, 0.0, 1.0], weight);
         }
         for (unknown, (prior, value)) in self.priors.with_values(cycle).into_iter().enumerate() {
             normal.add_one(prior.mean - value, unknown, prior.weight);

@@ -31,12 +31,6 @@ const MISFIT: f32 = 50.0;
 const ROUGH: f32 = 3.0;
 
 impl Residuals {
-    /// No residuals.
-    #[must_use]
-    pub(crate) const fn new() -> Self {
-        Self { squares_n2: 0.0, free: 0.0, median_n2: Quantile::new(0.5) }
-    }
-
     /// Adds an event's squared residuals and their degrees of freedom.
     pub(crate) fn add(&mut self, squares_n2: f32, free: f32, rough_n2: f32) {
         // Median of χ²/ν over its mean (Wilson and Hilferty).
@@ -111,7 +105,7 @@ pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
 
 impl Default for Residuals {
     fn default() -> Self {
-        Self::new()
+        Self { squares_n2: 0.0, free: 0.0, median_n2: Quantile::new(0.5) }
     }
 }
 
@@ -122,7 +116,7 @@ mod tests {
     /// The first events are compared with the detector's noise, later ones with the median of all.
     #[test]
     fn a_foul_event_is_told_from_the_first_one_on() {
-        let (mut residuals, known) = (Residuals::new(), (4.0, 0.0));
+        let (mut residuals, known) = (Residuals::default(), (4.0, 0.0));
         assert!(residuals.is_outlier(20.0 * 1000.0, 20.0, known));
         assert!(!residuals.is_outlier(20.0 * 100.0, 20.0, known));
         // Large residuals of all events are no outliers.
@@ -133,7 +127,7 @@ mod tests {
 
     #[test]
     fn pools_all_degrees_of_freedom() {
-        let mut pool = Residuals::new();
+        let mut pool = Residuals::default();
         assert_eq!(pool.variance_n2(), None);
         pool.add(8.0, 2.0, 1.0);
         pool.add(12.0, 8.0, 1.0);
@@ -150,7 +144,7 @@ mod tests {
 
     #[test]
     fn foul_events_among_the_first_ones_are_forgotten() {
-        let mut pool = Residuals::new();
+        let mut pool = Residuals::default();
         let first = [5.0, 5e3, 4e3, 4e3, 6.0, 7.0, 2e4, 1.0, 4e4, 3e4];
         first.into_iter().for_each(|mean| pool.add(20.0 * mean, 20.0, 4.0));
         (0..20).for_each(|_| pool.add(80.0, 20.0, 4.0));
@@ -160,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_bad_start_and_single_bad_events_are_left_out() {
-        let mut pool = Residuals::new();
+        let mut pool = Residuals::default();
         (0..3).for_each(|_| pool.add(1e4, 5.0, 4.0));
         for i in 0..400 {
             pool.add(if i % 20 == 0 { 1e5 } else { 20.0 }, 5.0, 4.0);

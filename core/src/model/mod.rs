@@ -75,12 +75,6 @@ impl CycleParams {
         self.dynamic_n() + self.amplitude_n()
     }
 
-    /// Time from the onset to the largest force, `φ / ω`.
-    #[must_use]
-    pub(crate) fn peak_time(&self) -> f32 {
-        math::atan2(self.rate / self.omega, self.half_drop_n) / self.omega
-    }
-
     /// Swing `1/ω`: the time in which the phase of the slide advances by one radian.
     #[must_use]
     pub(crate) fn inverse_omega(&self) -> f32 {

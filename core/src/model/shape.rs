@@ -44,12 +44,11 @@ impl CycleParams {
         let q = self.rate / self.omega;
         let phase = math::atan2(q, self.half_drop_n);
         let a2 = self.half_drop_n * self.half_drop_n + q * q;
-        let slack = Slack::of(self, q, a2, phase);
-        let (arc, slide) = match &slack {
-            Some(slack) => (slack.falls, slack.stop),
+        let (slack, arc, slide) = match Slack::of(self, q, a2, phase) {
+            Some((slack, falls, stop)) => (Some(slack), falls, stop),
             None => {
                 let slide = (core::f32::consts::PI + 2.0 * phase) / self.omega;
-                (slide, slide)
+                (None, slide, slide)
             }
         };
         let ramp = if slack.is_none() { 1.0 / (slide * self.omega * self.omega) } else { 0.0 };
@@ -87,7 +86,7 @@ impl Shape {
     /// stops on a slack cable.
     #[must_use]
     pub(crate) fn loads(&self) -> f32 {
-        self.cycle.onset + self.slack.map_or(self.slide, |slack| larger(slack.stop, slack.taut))
+        self.cycle.onset + self.slack.map_or(self.slide, |slack| larger(self.slide, slack.taut))
     }
 
     /// The cycle.
@@ -125,7 +124,7 @@ impl Shape {
             return (0.0, Gradient::default());
         }
         match &slack.then {
-            Then::Slides(delay, by) if since_onset < slack.stop => {
+            Then::Slides(delay, by) if since_onset < self.slide => {
                 let (force_n, mut gradient) = self.during(since_onset - delay);
                 // A delay acts like a later onset: its derivatives enter through the derivative by
                 // the onset.
@@ -196,12 +195,6 @@ impl Shape {
             [part * d / c.omega, 0.0, -part * q, c.omega * (self.slide - delay + part * q * d)];
         by.iter_mut().zip(delayed_by).for_each(|(by, delayed)| *by += delayed);
         Rest { time: self.slide, by, force_n: c.static_n - 2.0 * d, force_by: [1.0, -2.0] }
-    }
-
-    /// Slope of the line after the slip, and its gradient.
-    #[must_use]
-    pub(crate) fn slope_after(&self) -> (f32, Gradient) {
-        (self.cycle.rate + self.cycle.rate_change, [0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
     }
 }
 

@@ -34,10 +34,6 @@ pub(crate) type ByShape = [f32; 4];
 /// The slack of one cycle; times are since the onset, in the cycle's unit of time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slack {
-    /// Time at which the force reaches zero.
-    pub(crate) falls: f32,
-    /// Time at which the block has come to rest.
-    pub(crate) stop: f32,
     /// Time at which the cable is taut again.
     pub(crate) taut: f32,
     /// What the block does when the cable is taut again.
@@ -62,8 +58,9 @@ struct Angle {
 }
 
 impl Slack {
-    /// `None` if the cable stays taut, or if no friction would stop the block.
-    pub(crate) fn of(cycle: &CycleParams, q: f32, a2: f32, phase: f32) -> Option<Self> {
+    /// The slack, with the times at which the force reaches zero and at which the block has come to
+    /// rest. `None` if the cable stays taut, or if no friction would stop the block.
+    pub(crate) fn of(cycle: &CycleParams, q: f32, a2: f32, phase: f32) -> Option<(Self, f32, f32)> {
         let centre_n = cycle.dynamic_n();
         if a2 <= centre_n * centre_n || centre_n <= 0.0 {
             return None;
@@ -78,13 +75,13 @@ impl Slack {
             let stop = inverse_omega * (falls + (q + h) / centre_n);
             let taut = inverse_omega * rise.value;
             let then = Then::Rests(rise.time(q, inverse_omega));
-            Some(Self { falls: inverse_omega * falls, stop, taut, then })
+            Some((Self { taut, then }, inverse_omega * falls, stop))
         } else {
             let delay = ellipse.delay(until);
             let turn = core::f32::consts::PI + 2.0 * phase + delay.value;
             let taut = inverse_omega * (falls + 2.0 * h / centre_n);
             let then = Then::Slides(inverse_omega * delay.value, delay.time(q, inverse_omega));
-            Some(Self { falls: inverse_omega * falls, stop: inverse_omega * turn, taut, then })
+            Some((Self { taut, then }, inverse_omega * falls, inverse_omega * turn))
         }
     }
 }

@@ -242,7 +242,9 @@ impl CycleFit {
         if let Some(fit) = &fit {
             let (squares_n2, free) = own_residuals(&data, fit);
             if free >= 1.0 {
-                let own_n2 = larger(self.slip.least_n2(squares_n2 / free), noise_n2);
+                // At least the variance of a converter's steps.
+                let own_n2 = squares_n2 / free;
+                let own_n2 = larger(larger(own_n2, self.slip.step_n2(own_n2)), noise_n2);
                 self.slip.noise_n2 = smaller(self.slip.noise_n2, own_n2);
             }
         }

@@ -16,7 +16,7 @@ use crate::model::elongation::Elongation;
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::Wander;
 use crate::noise::sinusoid::Sinusoid;
-use crate::num::math::{self, larger};
+use crate::num::math;
 use crate::sample::{ForcePoint, SampleTime, since};
 use crate::signal::window::Window;
 use crate::stats::lattice::spacing;
@@ -187,12 +187,6 @@ impl SlipRecord {
         Samples { rest_weight, rest_from, slip: self.slip, ..Samples::new(self.start, forces_n) }
     }
 
-    /// Variance of the noise, N², for a residual variance `own_n2`: at least that of a converter's
-    /// steps.
-    pub(crate) fn least_n2(&self, own_n2: f32) -> f32 {
-        larger(own_n2, self.step_n2(own_n2))
-    }
-
     /// Variance of a converter's rounding, a twelfth of the squared step, N². Zero unless the
     /// residual variance `own_n2` is far below the detector's: then the samples may lie on their
     /// lines by chance.
@@ -224,8 +218,8 @@ impl SlipRecord {
             self.take(window, next_peak.saturating_sub(1));
         }
         self.limit = since(self.origin, next_peak);
-        let peak_time = self.early.map_or(self.rough.rise, |cycle| cycle.peak_time());
-        let end = last.map_or(self.limit - peak_time, |last| since(self.origin, last) + 1.0);
+        let rise = || self.early.map_or(self.rough.rise, |cycle| cycle.shape().peak_time());
+        let end = last.map_or_else(|| self.limit - rise(), |last| since(self.origin, last) + 1.0);
         let most = -math::floor(self.start - end) as usize;
         self.length = self.length.min(most);
     }
