@@ -36,7 +36,7 @@ pub(super) fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bo
     // The highest sample of a long fall may lie anywhere on a slow rest; the edges do not.
     let is_long = slip.fall() > LONGEST;
     let (from, to) = if is_long { slip.fall_edges() } else { slip.steep() };
-    let (straight, cosine) = lines(slip, (from, to), slip.edge_angle());
+    let (straight, cosine) = lines(slip, (from, to), is_long);
     let noise_n2 = noise_n2(slip, after);
     // False for NaN as well.
     let is_straight = own_n2(&straight) < EVEN * noise_n2;
@@ -54,7 +54,7 @@ pub(crate) fn is_shapely(slip: &SlipRecord) -> bool {
 /// Does the slip that was fitted describe the samples significantly worse than its two stick lines
 /// with a straight line between them, through the steep fall?
 pub(crate) fn is_angular(slip: &SlipRecord, shape: &Shape, after: &Line) -> bool {
-    let (straight, _) = lines(slip, slip.steep(), 0.0);
+    let (straight, _) = lines(slip, slip.steep(), false);
     let noise_n2 = noise_n2(slip, after);
     if straight.count < SHAPELY || own_n2(&straight) > EVEN * noise_n2 {
         return false;
@@ -79,16 +79,19 @@ fn is_likelier(straight: &Line, cosine: &Line) -> bool {
     likelier > LIKELIER
 }
 
-/// Least-squares lines of the force between two times: over time, and over the cosine of an angle
-/// that runs linearly from `angle` to `π − angle`.
+/// Least-squares lines of the force between two times: over time, and, if it is asked for, over the
+/// cosine of an angle that runs linearly from that of the one edge to that of the other.
 #[inline(never)]
-fn lines(slip: &SlipRecord, (from, to): (f32, f32), angle: f32) -> (Line, Line) {
+fn lines(slip: &SlipRecord, (from, to): (f32, f32), with_cosine: bool) -> (Line, Line) {
+    let angle = slip.edge_angle();
     let turn = (core::f32::consts::PI - 2.0 * angle) / (to - from);
     let (mut straight, mut cosine) = (Line::default(), Line::default());
     for (time, force_n) in slip.samples().good() {
         if time >= from && time <= to {
             straight.add(time, force_n, 1.0, 1.0);
-            cosine.add(math::sin_cos(angle + turn * (time - from)).1, force_n, 1.0, 1.0);
+            if with_cosine {
+                cosine.add(math::sin_cos(angle + turn * (time - from)).1, force_n, 1.0, 1.0);
+            }
         }
     }
     (straight, cosine)
