@@ -18,7 +18,6 @@ use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::refusal;
 use crate::cycle::slip_record::{SHORTEST_FALL, SlipRecord};
 use crate::detector::{MOST_PUT_OFF, Stick};
-use crate::effect::Kept;
 use crate::effects::mass_change::Verdict;
 use crate::effects::score::Asked;
 use crate::event::Reason;
@@ -270,8 +269,6 @@ impl CycleFit {
         };
         let holds = |fit: &&Fit| fit.converged && slip.holds(&fit.shape);
         let Some(fit) = fit.as_ref().filter(holds) else {
-            // A wrong estimate of the corners may be why the fit failed.
-            learnt.corner = Kept::default();
             learnt.contradict(true);
             self.stage = FitStage::Failed(Reason::NoFit);
             return;
