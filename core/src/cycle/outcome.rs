@@ -211,7 +211,7 @@ impl CycleTracker {
 
     /// An event without coefficients: forces of its highest and lowest sample, times of its fall.
     fn without_coefficients(&self, slip: &SlipRecord, reason: Reason) -> Event {
-        let (onset, stop) = slip.fall_edges();
+        let (onset, stop) = slip.rough.edges;
         let fall = stop - onset;
         let peak_n = slip.elongation.force_n(slip.peak.force_n);
         let drop = peak_n - slip.low.force_n;

@@ -35,7 +35,7 @@ const SURELY: f32 = 5.0;
 pub(super) fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     // The highest sample of a long fall may lie anywhere on a slow rest; the edges do not.
     let is_long = slip.fall() > LONGEST;
-    let (from, to) = if is_long { slip.fall_edges() } else { slip.steep() };
+    let (from, to) = if is_long { slip.rough.edges } else { slip.steep() };
     let (straight, cosine) = lines(slip, (from, to), is_long);
     let noise_n2 = noise_n2(slip, after);
     // False for NaN as well.
@@ -83,7 +83,7 @@ fn is_likelier(straight: &Line, cosine: &Line) -> bool {
 /// cosine of an angle that runs linearly from that of the one edge to that of the other.
 #[inline(never)]
 fn lines(slip: &SlipRecord, (from, to): (f32, f32), with_cosine: bool) -> (Line, Line) {
-    let angle = slip.edge_angle();
+    let angle = slip.rough.edge_angle;
     let turn = (core::f32::consts::PI - 2.0 * angle) / (to - from);
     let (mut straight, mut cosine) = (Line::default(), Line::default());
     for (time, force_n) in slip.samples().good() {

@@ -51,11 +51,11 @@ pub(crate) fn of_fall(
 ) -> Option<Reason> {
     let noise_n = math::sqrt(slip.noise_n2);
     let drop_n = slip.peak.force_n - slip.low.force_n;
-    let (from, to) = slip.fall_edges();
+    let (from, to) = slip.rough.edges;
     if slip.peak.force_n < -SURE * noise_n {
         return Some(Reason::Negative);
     }
-    let near_zero_n = math::smaller(SURE * noise_n + slip.rate(), NEAR_ZERO * drop_n);
+    let near_zero_n = math::smaller(SURE * noise_n + slip.rough.rate, NEAR_ZERO * drop_n);
     if !slides && to - from < INSTANT && slip.low.force_n.abs() < near_zero_n {
         return Some(Reason::LetGo);
     }
@@ -66,7 +66,7 @@ pub(crate) fn of_fall(
     if drop_n < LEAST_FALL * rise_n {
         return Some(Reason::Scatters);
     }
-    let possible_n = slip.rate() * periods;
+    let possible_n = slip.rough.rate * periods;
     let stays = rise_n < RISES * drop_n && possible_n > larger(drop_n, 2.0 * rise_n);
     (stays || is_held(slip, rise_n / periods)).then_some(Reason::NoRest)
 }
@@ -82,7 +82,7 @@ fn is_held(slip: &SlipRecord, rate: f32) -> bool {
 
 /// Does the fall have a sample between its ends? The fall of a cable that is let go has none.
 pub(crate) fn takes_time(slip: &SlipRecord) -> bool {
-    let (from, to) = slip.fall_edges();
+    let (from, to) = slip.rough.edges;
     to - from >= INSTANT
 }
 

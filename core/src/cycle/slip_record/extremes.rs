@@ -32,12 +32,12 @@ pub(crate) struct Rough {
     pub(crate) middle: f32,
     /// Times, periods, of the last sample before `middle` that is still high and of the first one
     /// after it that is low: the highest and the lowest sample may lie anywhere on a slow line.
-    pub(super) edges: (f32, f32),
+    pub(crate) edges: (f32, f32),
     /// Part of the drop within which a sample counts as still high or already low, beyond the
     /// noise.
-    pub(super) edge_part: f32,
+    edge_part: f32,
     /// Angle at which half a cosine has fallen by `edge_part`.
-    edge_angle: f32,
+    pub(crate) edge_angle: f32,
 }
 
 /// Relative standard deviation of the swing from winch and weight. Tuned: with .03 the intervals of
@@ -117,16 +117,6 @@ fn residuals(line: &Line) -> (f32, f32) {
 }
 
 impl SlipRecord {
-    /// Loading rate, N per period, to within a factor of two.
-    pub(crate) fn rate(&self) -> f32 {
-        self.rough.rate
-    }
-
-    /// Times, periods, of the edges of the fall, see [`Rough`].
-    pub(crate) fn fall_edges(&self) -> (f32, f32) {
-        self.rough.edges
-    }
-
     /// Times, periods, of the highest and the lowest sample.
     pub(crate) fn extremes(&self) -> (f32, f32) {
         (self.peak.time, self.low.time)
@@ -135,7 +125,7 @@ impl SlipRecord {
     /// Times, periods, between which the samples of the steep fall lie: without the highest and the
     /// lowest one, and without plateaus.
     pub(crate) fn steep(&self) -> (f32, f32) {
-        let ((peak, low), (from, to)) = (self.extremes(), self.fall_edges());
+        let ((peak, low), (from, to)) = (self.extremes(), self.rough.edges);
         (larger(peak + 0.5, from), smaller(low - 0.5, to))
     }
 
@@ -226,11 +216,6 @@ impl SlipRecord {
         let inside = inside.count() as f32;
         let least = if length_known { 1.0 } else { SHORTEST_FALL };
         inside + 1.0 < self.fall() && inside < least
-    }
-
-    /// Angle at which half a cosine has fallen by the part of the drop that defines the edges.
-    pub(crate) fn edge_angle(&self) -> f32 {
-        self.rough.edge_angle
     }
 
     /// Times, periods, of the edges: the last high sample before the middle of the fall, and the

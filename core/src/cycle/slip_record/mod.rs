@@ -75,7 +75,7 @@ pub(crate) struct SlipRecord {
     pub(crate) peak: Extreme,
     pub(crate) low: Extreme,
     /// Estimates from the extremes alone, for a slip that the samples hardly resolve.
-    rough: Rough,
+    pub(crate) rough: Rough,
     /// Rough variance of the noise, from the detector, N².
     pub(crate) noise_n2: f32,
     /// Correlated noise about the stick lines.
@@ -278,7 +278,7 @@ impl SlipRecord {
     /// Do the samples show the stick line from the time `start` on, significantly above its start?
     /// Without that the fit ends the slack where the last samples would begin to contradict it.
     pub(crate) fn shows(&self, after: &Line, start: f32) -> bool {
-        let risen_n = self.rate() * (self.samples().end() - start);
+        let risen_n = self.rough.rate * (self.samples().end() - start);
         after.count > 0 || risen_n > SURE * math::sqrt(self.noise_n2)
     }
 
@@ -338,6 +338,6 @@ impl SlipRecord {
     /// Time from the onset of a cycle to the beginning of its fall, with the fall defined as in
     /// `edges`; by symmetry also the time from the end of the fall to the stop.
     fn lead(&self, shape: &Shape) -> f32 {
-        shape.peak_time() + self.edge_angle() / shape.cycle().omega
+        shape.peak_time() + self.rough.edge_angle / shape.cycle().omega
     }
 }
