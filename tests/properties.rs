@@ -150,28 +150,6 @@ fn estimator_equals_the_batch_formulas() {
     });
 }
 
-#[test]
-fn estimators_merge_at_any_split() {
-    let input = (coefficients(120), any::<prop::sample::Index>(), any::<prop::sample::Index>());
-    check(500, input, |(events, a, b)| {
-        let whole = estimator(&events);
-        let mut cuts = [a.index(events.len() + 1), b.index(events.len() + 1)];
-        cuts.sort_unstable();
-        let [first, second, third] =
-            [&events[..cuts[0]], &events[cuts[0]..cuts[1]], &events[cuts[1]..]].map(estimator);
-        let (mut left, mut tail, mut right) = (first, second, first);
-        left.merge(&second);
-        left.merge(&third);
-        tail.merge(&third);
-        right.merge(&tail);
-        for merged in [left, right] {
-            prop_assert_eq!(merged.count(), whole.count());
-            close(result(&merged), result(&whole))?;
-        }
-        Ok(())
-    });
-}
-
 /// Results of a test through a converter with the given zero and span.
 fn in_counts(test: &(Pull, u64), tare_counts: i32, counts_per_n: f32) -> Outcome {
     let calibration = Calibration { tare_counts, counts_per_n, ..Calibration::default() };

@@ -2,7 +2,7 @@
 //!
 //! Neighbouring events share a stick line, and real friction wanders: a mean over correlated values
 //! is less precise than their number suggests. The autocovariances up to the lag [`LAGS`] are kept
-//! as running sums, so that they can be computed about any mean and merged at any split.
+//! as running sums, so that they can be computed about any mean.
 
 use crate::num::double_single::DoubleSingle;
 use crate::num::math;
@@ -44,55 +44,6 @@ impl Correlation {
         }
         self.sum += x;
         self.count = self.count.saturating_add(1);
-    }
-
-    /// Adds the products of a value, which comes `places` after the next one, with the values so
-    /// far.
-    fn pair_with_last(&mut self, x: f32, places: usize) {
-        for (product, last) in self.products.iter_mut().skip(places).zip(&self.last) {
-            *product += x * last;
-        }
-    }
-
-    /// Makes a value the newest one.
-    fn append(&mut self, x: f32) {
-        let mut newer = x;
-        for slot in &mut self.last {
-            newer = core::mem::replace(slot, newer);
-        }
-    }
-
-    /// Merges the values of another instance, which came after its own.
-    pub(crate) fn merge(&mut self, later: &Self) {
-        if self.count == 0 {
-            *self = *later;
-            return;
-        }
-        let shift = DoubleSingle::from(later.reference) - self.reference.into();
-        let heads = (later.count as usize).min(LAGS);
-        for (place, &x) in later.first.iter().enumerate().take(heads) {
-            self.pair_with_last(x + shift.rounded(), place);
-        }
-        for lag in 1..heads + 1 {
-            let pairs = later.count.saturating_sub(lag as u32);
-            if pairs > 0 {
-                let (sums, pairs) = (later.sums(lag), DoubleSingle::from(pairs));
-                self.products[lag - 1] += later.products[lag - 1] + shift * (sums + shift * pairs);
-            }
-        }
-        self.append_ends(later, heads, shift);
-        self.sum += later.sum + shift * DoubleSingle::from(later.count);
-        self.count = self.count.saturating_add(later.count);
-    }
-
-    /// Takes over the first and the last values of a later one.
-    fn append_ends(&mut self, later: &Self, heads: usize, shift: DoubleSingle) {
-        for (place, &x) in later.first.iter().enumerate().take(heads) {
-            if let Some(slot) = self.first.get_mut(self.count as usize + place) {
-                *slot = x + shift.rounded();
-            }
-        }
-        later.last.iter().take(heads).rev().for_each(|x| self.append(x + shift.rounded()));
     }
 
     /// `Σ (x_i + x_{i+k})` over all pairs of values `k` = `lag` apart.
@@ -198,23 +149,6 @@ mod tests {
                     let error = (got.unwrap() - direct(n, lag, 0.81)).abs();
                     assert!(error < 1e-9, "{n} {lag} {error}");
                 }
-            }
-        }
-    }
-
-    #[test]
-    fn merging_at_any_split_is_the_whole() {
-        for n in [5, 40, 100] {
-            for split in 0..=n {
-                let mut merged = all(0, split);
-                merged.merge(&all(split, n));
-                for lag in 1..=LAGS.min(n - 1) {
-                    let error = covariance(&merged, lag, 0.8).unwrap() - direct(n, lag, 0.8);
-                    assert!(error.abs() < 1e-9, "{n} {split} {lag} {error}");
-                }
-                merged.add(value(n) as f32);
-                let error = covariance(&merged, 1, 0.8).unwrap() - direct(n + 1, 1, 0.8);
-                assert!(error.abs() < 1e-9);
             }
         }
     }

@@ -2,9 +2,8 @@
 //!
 //! The events differ by their own noise, whose variance each states, and by real variation of the
 //! friction, whose variance is estimated: random effects. All sums are kept to 48 bits
-//! (`DoubleSingle`), relative to the running mean, so a million events lose nothing, and two
-//! estimators can be merged. What one event adds is rounded to 24 bits, and so are the sums when
-//! they are read.
+//! (`DoubleSingle`), relative to the running mean, so a million events lose nothing. What one event
+//! adds is rounded to 24 bits, and so are the sums when they are read.
 //!
 //! With `s_i` an event's standard deviation, `τ²` the variance between events:
 //!
@@ -128,30 +127,6 @@ impl Estimator {
         self.weight_squares += weight * weight;
     }
 
-    /// Takes the events of another estimator, which came after its own.
-    pub fn merge(&mut self, later: &Self) {
-        self.correlation.merge(&later.correlation);
-        if later.count == 0 {
-            return;
-        }
-        let (n, m) = (DoubleSingle::from(self.count), DoubleSingle::from(later.count));
-        let share = m / (n + m);
-        let step = later.mean - self.mean;
-        self.squares += later.squares + n * share * step * step;
-        self.mean += share * step;
-        self.variance += share * (later.variance - self.variance);
-        self.common.follow(later.common, share.rounded());
-        self.weight_pairs += later.weight_pairs + self.weight * later.weight;
-        let weight = self.weight + later.weight;
-        let (share, step) = (later.weight / weight, later.weighted_mean - self.weighted_mean);
-        self.weighted_squares += later.weighted_squares + self.weight * share * step * step;
-        self.weighted_mean += share * step;
-        self.weighted_shared += share.rounded() * (later.weighted_shared - self.weighted_shared);
-        self.weight = weight;
-        self.weight_squares += later.weight_squares;
-        self.count = self.count.saturating_add(later.count);
-    }
-
     /// Number of events that count.
     #[must_use]
     pub fn count(&self) -> u32 {
@@ -269,19 +244,6 @@ mod tests {
         let one = e.estimate().unwrap();
         assert!((one.mean - 0.5).abs() < 1e-6);
         assert_eq!((one.std_error, one.ci95(), one.spread, one.events), (None, None, None, 1));
-    }
-
-    #[test]
-    fn merging_at_any_split_equals_the_whole() {
-        let whole = all(&VALUES).estimate().unwrap();
-        for split in 0..=VALUES.len() {
-            let mut a = all(&VALUES[..split]);
-            a.merge(&all(&VALUES[split..]));
-            let merged = a.estimate().unwrap();
-            assert!((merged.mean - whole.mean).abs() < 1e-6);
-            assert!((merged.std_error.unwrap() - whole.std_error.unwrap()).abs() < 1e-6);
-            assert!((merged.spread.unwrap() - whole.spread.unwrap()).abs() < 1e-6);
-        }
     }
 
     #[test]
