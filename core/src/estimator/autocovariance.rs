@@ -46,23 +46,19 @@ impl Correlation {
         self.count = self.count.saturating_add(1);
     }
 
-    /// `Σ (x_i + x_{i+k})` over all pairs of values `k` = `lag` apart.
-    fn sums(&self, lag: usize) -> DoubleSingle {
-        let ends = self.first.iter().zip(&self.last).take(lag);
-        ends.fold(self.sum + self.sum, |sum, (first, last)| sum - DoubleSingle::from(first + last))
-    }
-
-    /// Mean of `(x_i − mean)(x_{i+k} − mean)`; `None` beyond the lags or the values.
-    #[must_use]
-    pub(crate) fn covariance(&self, lag: usize, mean: DoubleSingle) -> Option<f32> {
-        let pairs = self.count.saturating_sub(lag as u32);
-        if lag == 0 || lag > LAGS || pairs == 0 {
-            return None;
-        }
+    /// Means of `(x_i − mean)(x_{i+k} − mean)` over the pairs of values `k` = 1, 2, ... apart, up to
+    /// [`LAGS`].
+    pub(crate) fn covariances(&self, mean: DoubleSingle) -> impl Iterator<Item = f32> {
         let m = mean - self.reference.into();
-        let products = (self.products[lag - 1] - m * self.sums(lag)).rounded();
-        let m = m.rounded();
-        Some(products / pairs as f32 + m * m)
+        let square = m.rounded() * m.rounded();
+        // Σ (x_i + x_{i+k}) over these pairs.
+        let mut sums = self.sum + self.sum;
+        let ends = self.first.iter().zip(&self.last);
+        let lags = (1..self.count).zip(&self.products).zip(ends);
+        lags.map(move |((lag, product), (first, last))| {
+            sums = sums - DoubleSingle::from(first + last);
+            (*product - m * sums).rounded() / (self.count - lag) as f32 + square
+        })
     }
 
     /// Factor by which the variance of the mean exceeds that of independent values, 1 or more:
@@ -80,11 +76,10 @@ impl Correlation {
             return 1.0;
         }
         let count = self.count as f32;
-        let longest = (self.count as usize / 4).min(LAGS);
+        let longest = self.count as usize / 4;
         let least = 1.0 / math::sqrt(count);
         let (mut missing, mut sum) = (0.0, 0.0);
-        for lag in 1..longest + 1 {
-            let covariance = self.covariance(lag, mean).unwrap_or_default();
+        for covariance in self.covariances(mean).take(longest) {
             let correlation = math::smaller(covariance / variance, 1.0);
             if correlation <= least {
                 break;
@@ -130,7 +125,7 @@ mod tests {
     }
 
     fn covariance(c: &Correlation, lag: usize, mean: f64) -> Option<f64> {
-        c.covariance(lag, mean.into()).map(f64::from)
+        c.covariances(mean.into()).nth(lag - 1).map(f64::from)
     }
 
     fn direct(n: usize, lag: usize, mean: f64) -> f64 {
