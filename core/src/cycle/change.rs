@@ -100,8 +100,7 @@ impl CycleTracker {
                 return None;
             }
             Verdict::Same => {
-                let CycleParams { static_n, .. } = posterior.cycle;
-                let dynamic_n = posterior.cycle.dynamic_n();
+                let (static_n, dynamic_n) = (posterior.cycle.static_n, posterior.cycle.dynamic_n());
                 let follows = self.site.effects.has(Effect::Level);
                 let shift = follows.then(|| {
                     self.levels.update(|levels| levels.take(event.index, (static_n, dynamic_n)))

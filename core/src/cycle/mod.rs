@@ -176,8 +176,8 @@ impl CycleTracker {
         let Some(fit) = self.finishing.as_mut().filter(|_| waits) else {
             return self.follow_up(detector, &mut answers.first);
         };
-        if let ControlFlow::Break(outcome) = fit.step(&mut self.learnt, detector.waiting()) {
-            answers.finished = self.end(outcome);
+        if let ControlFlow::Break(failed) = fit.step(&mut self.learnt, detector.waiting()) {
+            answers.finished = self.end(failed);
         }
     }
 

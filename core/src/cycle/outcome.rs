@@ -1,7 +1,7 @@
 //! How an event ends: with its coefficients, or with the reason why there are none.
 
 use crate::coefficient::Site;
-use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
+use crate::cycle::cycle_fit::{CycleFit, Measured};
 use crate::cycle::refusal::{self, FAST, RootStiffnessRatio};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished};
@@ -32,16 +32,16 @@ struct Belief {
 impl CycleTracker {
     /// Ends the fit and gives the event, its times limited to the interval from the stop of the
     /// event before to the peak of the next slip.
-    pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
+    pub(super) fn end(&mut self, failed: Option<Reason>) -> Option<Finished> {
         let CycleFit { slip, after, mut measured, .. } = self.finishing.take()?;
         let slip = &slip;
-        let (mut finished, load) = match outcome {
-            Outcome::Failed(reason) => {
+        let (mut finished, load) = match failed {
+            Some(reason) => {
                 // The rest before this slip and the rest after it must not be taken for one.
                 self.rested = None;
                 (self.without_coefficients(slip, reason).into(), None)
             }
-            Outcome::Fitted => {
+            None => {
                 measured.relax(&slip.elongation);
                 let (finished, load) = self.fitted(slip, &after, &measured);
                 (finished, Some(load))

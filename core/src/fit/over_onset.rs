@@ -194,11 +194,12 @@ impl Sums {
         // If the onset is known better than the spacing of the places, few of these carry all the
         // weight, and their fits lack the onset's own variance: the best fit's variances are the
         // least.
-        if best.shape.fall_time() < RESOLVED && over.variances[0] > STEP * STEP / 4.0 {
-            over
-        } else {
-            over.widened(&Posterior::at(best, noise_n2))
+        if best.shape.fall_time() >= RESOLVED || over.variances[0] <= STEP * STEP / 4.0 {
+            for (variance, least) in over.variances.iter_mut().zip(best.variances) {
+                *variance = math::larger(*variance, noise_n2 * least);
+            }
         }
+        over
     }
 }
 

@@ -3,7 +3,6 @@
 use crate::fit::correction::Correction;
 use crate::fit::{Fit, Variances};
 use crate::model::CycleParams;
-use crate::num::math::larger;
 
 /// Length below which slips are averaged over the onset, periods: half of them or more have at most
 /// one sample.
@@ -65,12 +64,6 @@ impl Posterior {
         self.is_resolved() && (self.fall_time > CLEAR || variance < well * well)
     }
 
-    /// Adds the variances of a correction to the parts that are common to all events.
-    pub(crate) fn share(&mut self, correction: &Correction) {
-        self.common_n2.0 += correction.static_n2;
-        self.common_n2.1 += correction.dynamic_n2;
-    }
-
     /// Applies a correction found after the fit.
     #[inline(never)]
     pub(crate) fn apply(&mut self, correction: &Correction) {
@@ -99,15 +92,6 @@ impl Posterior {
         self.widen(onset_n2, 0.25 * onset_n2);
         self.variances[0] += UNIFORM;
         self.variances[4] += 1.0 / (omega * omega);
-    }
-
-    /// Raises each variance to at least that of `other`.
-    #[inline(never)]
-    pub(crate) fn widened(mut self, other: &Self) -> Self {
-        for (variance, least) in self.variances.iter_mut().zip(other.variances) {
-            *variance = larger(*variance, least);
-        }
-        self
     }
 
     /// The posterior at the best fit, for a noise of this variance, N².

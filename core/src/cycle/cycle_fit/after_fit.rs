@@ -2,7 +2,7 @@
 //! expectations of the next events, and test its residuals for force terms that the fit lacks.
 
 use crate::cycle::cable::{dynamic_n, relax};
-use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Outcome, Terms};
+use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Terms};
 use crate::cycle::expectations::{Expectations, is_strained, own_residuals};
 use crate::cycle::slip_record::{SURE, UNSURE};
 use crate::effect::Effect;
@@ -63,7 +63,6 @@ impl CycleFit {
             // samples on that line all have the same rounding error, as far as the noise (the
             // excess of all residuals over the steps) does not smear it.
             let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
-            fit.widen(&UNSURE_OSCILLATION, hidden_n2 / now_n2);
             if learnt.effects.has(Effect::Scatter) {
                 let (own, wider) = data.slip_residuals(fit, knows_swing, quiet_n2);
                 // Residuals of a force that wanders are no scatter of the slip's own.
@@ -73,9 +72,9 @@ impl CycleFit {
                 fit.widen(&wider, learnt.scatter.read(SlipScatter::excess));
             }
             // The error by an oscillation is estimated after the fit.
-            if !slip.wander.is_disputed() {
-                fit.widen(&UNSURE_OSCILLATION, learnt.unsure(slip, now_n2));
-            }
+            let is_disputed = slip.wander.is_disputed();
+            let unsure = if is_disputed { 0.0 } else { learnt.unsure(slip, now_n2) };
+            fit.widen(&UNSURE_OSCILLATION, unsure + hidden_n2 / now_n2);
         }
         let strained = is_strained(&data, around_n2, now_n2);
         self.strain = match (misfit, strained) {
@@ -199,14 +198,14 @@ impl CycleFit {
     /// A misfit has coefficients only if a change of mass is suspected; a strained fit only if it
     /// ends near the highest and the lowest sample, since a winch that stood during the slip bends
     /// the fit away from them.
-    pub(super) fn outcome(&self) -> Outcome {
+    pub(super) fn refused(&self) -> Option<Reason> {
         let Measured { posterior, verdict, .. } = &self.measured;
         let fits = match self.strain {
             Strain::None => true,
             Strain::Strained => self.slip.is_spanned(&posterior.cycle, SPANNED, 1.0),
             Strain::Misfit => *verdict == Verdict::Suspect,
         };
-        if fits { Outcome::Fitted } else { Outcome::Failed(Reason::NoFit) }
+        (!fits).then_some(Reason::NoFit)
     }
 }
 
@@ -231,7 +230,8 @@ impl Measured {
     /// Applies a correction found after the fit whose error is the same in every event.
     fn share(&mut self, correction: &Correction) {
         self.apply(correction);
-        self.posterior.share(correction);
+        self.posterior.common_n2.0 += correction.static_n2;
+        self.posterior.common_n2.1 += correction.dynamic_n2;
     }
 
     /// Applies a correction found after the fit.

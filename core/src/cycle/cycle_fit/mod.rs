@@ -117,15 +117,6 @@ pub(crate) struct Measured {
     pub(crate) verdict: Verdict,
 }
 
-/// How the fit of an event has ended.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Outcome {
-    /// It has coefficients.
-    Fitted,
-    /// It was detected, but has no coefficients.
-    Failed(Reason),
-}
-
 impl CycleFit {
     /// A new fit of a slip whose following line is not known yet.
     // Constructed in place.
@@ -163,9 +154,14 @@ impl CycleFit {
     }
 
     /// One step: an iteration of the fit, or one that follows it. `waiting` is the number of
-    /// samples that wait for it.
+    /// samples that wait for it. Breaks after the last one, with the reason why the event has no
+    /// coefficients, if there is one.
     #[inline(never)]
-    pub(crate) fn step(&mut self, learnt: &mut Expectations, waiting: u32) -> ControlFlow<Outcome> {
+    pub(crate) fn step(
+        &mut self,
+        learnt: &mut Expectations,
+        waiting: u32,
+    ) -> ControlFlow<Option<Reason>> {
         match &self.stage {
             FitStage::New => self.start(learnt),
             FitStage::Free(_) => self.free(learnt),
@@ -182,9 +178,9 @@ impl CycleFit {
             FitStage::Alone(_) if learnt.asks() => self.alone(),
             FitStage::Asked(..) if learnt.asks() => self.asked(learnt),
             FitStage::Alone(_) | FitStage::Asked(..) | FitStage::Done => {
-                return ControlFlow::Break(self.outcome());
+                return ControlFlow::Break(self.refused());
             }
-            FitStage::Failed(reason) => return ControlFlow::Break(Outcome::Failed(*reason)),
+            FitStage::Failed(reason) => return ControlFlow::Break(Some(*reason)),
         }
         ControlFlow::Continue(())
     }
