@@ -126,7 +126,7 @@ impl Fitting {
         if self.steps < MOST_STEPS {
             return ControlFlow::Continue(());
         }
-        ControlFlow::Break(self.settled(self.gain < NEARLY_SETTLED * least_n2))
+        ControlFlow::Break(self.fit(self.information(), self.gain < NEARLY_SETTLED * least_n2))
     }
 
     /// Proposes the next trial, or ends the fit if the step to it is below the tolerance.
@@ -140,9 +140,9 @@ impl Fitting {
         let trial = limited(moved(&self.cycle, &step));
         if smaller(data.nonlinearity_n2(&self.cycle, &step), gain) < SETTLED * least_n2 {
             (self.cycle, self.normal.cost) = (trial, self.normal.cost - gain);
-            let is_damped = self.damping > 0.0;
-            let fit = if is_damped { self.settled(true) } else { self.fit(&factor, true) };
-            return ControlFlow::Break(fit);
+            // A damped matrix is not that of the variances.
+            let factor = if self.damping > 0.0 { self.information() } else { Some(factor) };
+            return ControlFlow::Break(self.fit(factor, true));
         }
         (self.gain, self.pass) = (gain, Some(Pass::at(trial)));
         ControlFlow::Continue(())
@@ -161,22 +161,21 @@ impl Fitting {
         ControlFlow::Continue(())
     }
 
-    fn settled(&self, converged: bool) -> Option<Fit> {
+    /// Factor of the information matrix.
+    fn information(&self) -> Option<Factor> {
         // A nearly singular matrix in single precision gets as little damping as it needs.
         const LEAST_HELP: f32 = 1e-5;
-        let factor = self.normal.factor(0.0).or_else(|| self.normal.factor(LEAST_HELP));
-        self.fit(&factor?, converged)
+        self.normal.factor(0.0).or_else(|| self.normal.factor(LEAST_HELP))
     }
 
-    fn fit(&self, factor: &Factor, converged: bool) -> Option<Fit> {
-        if !self.normal.cost.is_finite() {
-            return None;
-        }
+    /// The fit at the cycle so far. `None` if the data do not determine it.
+    fn fit(&self, factor: Option<Factor>, converged: bool) -> Option<Fit> {
+        let factor = factor.filter(|_| self.normal.cost.is_finite())?;
         let [onset, rate, static_n2, half_drop_n2, swing, rate_change] = factor.variances();
         let dynamic_n2 = factor.spread(&DYNAMIC, 2);
         Some(Fit {
             shape: self.cycle.shape(),
-            factor: *factor,
+            factor,
             cost: self.normal.cost,
             variances: [onset, rate, static_n2, half_drop_n2, swing, rate_change, dynamic_n2],
             wider: (0.0, 0.0),
