@@ -30,7 +30,7 @@ mod synthetic {
     /// The factored normal equations at a fit; these events have no priors.
     pub(super) fn alone(fit: &Fit, data: &Data<'_>) -> Option<Alone> {
         let mut pass = Pass::at(*fit.cycle());
-        while !pass.advance(data) {}
+        while !pass.advance(data, &fit.shape) {}
         pass.alone()
     }
 

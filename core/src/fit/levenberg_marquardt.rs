@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 
 use crate::fit::data::Data;
 use crate::fit::{Alone, DYNAMIC, Fit, rounding_n2};
-use crate::model::CycleParams;
+use crate::model::{CycleParams, Shape};
 use crate::num::math::{larger, smaller};
 use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
 
@@ -66,14 +66,14 @@ impl Pass {
         Some(Alone { factor: self.normal.factor(0.0)?, right: self.normal.right })
     }
 
-    /// Adds the next samples; after the last ones also the lines, and then returns true.
-    pub(crate) fn advance(&mut self, data: &Data<'_>) -> bool {
-        let shape = self.trial.shape();
-        data.add_samples(&mut self.normal, &shape, self.next, SAMPLES_A_STEP);
+    /// Adds the next samples; after the last ones also the lines, and then returns true. `shape` is
+    /// that of the trial.
+    pub(crate) fn advance(&mut self, data: &Data<'_>, shape: &Shape) -> bool {
+        data.add_samples(&mut self.normal, shape, self.next, SAMPLES_A_STEP);
         self.next += SAMPLES_A_STEP;
         let is_whole = self.next >= data.samples.forces_n.len();
         if is_whole {
-            data.add_lines(&mut self.normal, &shape);
+            data.add_lines(&mut self.normal, shape);
         }
         is_whole
     }
@@ -99,7 +99,7 @@ impl Fitting {
     /// One step. Breaks with the fit, or with `None` when the data do not determine the unknowns.
     pub(crate) fn step(&mut self, data: &Data<'_>) -> ControlFlow<Option<Fit>> {
         if let Some(pass) = &mut self.pass {
-            if !pass.advance(data) {
+            if !pass.advance(data, &pass.trial.shape()) {
                 return ControlFlow::Continue(());
             }
             self.judge(data)?;

@@ -153,7 +153,7 @@ impl CycleFit {
     pub(super) fn alone(&mut self) {
         let FitStage::Alone(pass) = &mut self.stage else { return };
         let data = self.slip.asked(&self.priors, &self.after);
-        if pass.advance(&data) {
+        if pass.advance(&data, &self.fit.shape) {
             self.stage = pass.alone().map_or(FitStage::Done, |it| {
                 FitStage::Asked(Terms::Widen, it, Asked::default(), 0)
             });
