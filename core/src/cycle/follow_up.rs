@@ -1,10 +1,10 @@
 //! Steps that follow the end of a stick line. They begin when the fit of the event before is done.
 
-use crate::cycle::CycleTracker;
+use crate::cycle::{CycleTracker, LATE};
 use crate::cycle::cycle_fit::CycleFit;
 use crate::cycle::ended::{By, Ended, Progress};
 use crate::cycle::refusal;
-use crate::cycle::slip_record::SlipRecord;
+use crate::cycle::slip_record::{GUESSED, SlipRecord};
 use crate::detector::{Detector, Stick};
 use crate::event::{Provisional, Reason};
 use crate::model::elongation::Elongation;
@@ -41,7 +41,7 @@ impl CycleTracker {
                 SLIP + if swings || ended.may_sag(&self.learnt, detector) { BENT } else { 0 }
             }
             (Progress::Gathered, Some(slip)) if !self.learnt.knows_omega() => {
-                GUESSES + slip.samples().forces_n.len()
+                GUESSES + slip.samples().forces_n.len().min(GUESSED) * 5 / 2
             }
             (Progress::Gathered, _) => GUESS,
             (Progress::Answering(answer), Some(slip)) => slip.pass(&answer.priors),
@@ -100,7 +100,7 @@ impl CycleTracker {
                 if may_sag {
                     next.take_late(detector.window(), stick);
                 }
-                Progress::Gathered
+                if detector.waiting() > LATE { Progress::Answered(None) } else { Progress::Gathered }
             }
             By::Loss(_) => {
                 self.pending = None;

@@ -168,7 +168,7 @@ impl CycleTracker {
         }
     }
 
-    /// Does the next step. A fit tries no more places of an onset when too many samples wait.
+    /// Does the next step.
     #[inline(never)]
     fn advance(&mut self, detector: &Detector, answers: &mut Answers) {
         // An ended line that has not been taken up waits until the current fit is done.
@@ -219,6 +219,7 @@ pub(crate) struct Answers {
 /// Time of a sample, in units of 160 instructions on the board, as the emulator counts them
 /// (`docs/firmware.md`); with the detector's share at rest, less than 12 000 instructions.
 const TIME: usize = 62;
-/// Number of waiting samples above which a sample's time is [`MOST_TIME`]: half of the window.
-const LATE: u32 = 128;
+/// Number of waiting samples above which a sample's time is [`MOST_TIME`], and no step is done that
+/// an event's coefficients do not need: half of the window.
+const LATE: u32 = 160;
 const MOST_TIME: usize = 69;

@@ -152,11 +152,12 @@ impl Data<'_> {
         }
     }
 
-    /// Weighted squared residuals of samples and lines about a shape with sharp corners, N².
+    /// Weighted squared residuals of the first `most` samples about a shape with sharp corners, N²;
+    /// of the lines as well where there are fewer samples.
     #[inline(never)]
-    pub(crate) fn squares_n2(&self, shape: &Shape) -> f32 {
+    pub(crate) fn squares_n2(&self, shape: &Shape, most: usize) -> f32 {
         let mut squares_n2 = 0.0;
-        for (time, force_n, weight) in self.levels_in(0..self.places()) {
+        for (time, force_n, weight) in self.levels_in(0..self.places().min(most)) {
             let off_n = force_n - shape.force(time).0;
             squares_n2 += weight * off_n * off_n;
         }

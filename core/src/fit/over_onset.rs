@@ -79,11 +79,6 @@ impl OverOnset {
         self.take(data, best, fit)
     }
 
-    /// Number of places that were fitted.
-    pub(crate) fn seen(&self) -> i16 {
-        if self.place < 0 { STEPS + self.fine - 1 - self.place } else { self.place }
-    }
-
     /// Adds the fit of one place.
     fn take(&mut self, data: &Data<'_>, best: &Fit, fit: Option<Fit>) -> ControlFlow<Posterior> {
         let (prior, noise_n2) = (data.priors.onset, data.priors.noise_n2);

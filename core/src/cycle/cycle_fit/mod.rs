@@ -14,9 +14,10 @@ mod after_fit;
 use core::ops::ControlFlow;
 
 use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
+use crate::cycle::LATE;
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::refusal;
-use crate::cycle::slip_record::{SHORTEST_FALL, SlipRecord};
+use crate::cycle::slip_record::{GUESSED, SHORTEST_FALL, SlipRecord};
 use crate::detector::{MOST_PUT_OFF, Stick};
 use crate::effects::mass_change::Verdict;
 use crate::effects::score::Asked;
@@ -31,14 +32,9 @@ use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
 
-/// Number of waiting samples from which on no more places of an onset are tried: the remaining
-/// steps still have time.
-const NO_PLACES: u32 = MOST_PUT_OFF - 8;
-
-/// Most places of an onset that are tried, per period until the next slip. Tuned: where several
-/// slips are taken for one, the recurrence is short, and with all places tried some of these slips
-/// are believed.
-const PLACES: f32 = 2.0;
+/// Number of waiting samples above which an event is not fitted any more: the remaining steps still
+/// have time.
+const TOO_LATE: u32 = MOST_PUT_OFF - 8;
 
 /// An event being fitted.
 // In this order: the record is copied straight into its place, as words.
@@ -154,7 +150,8 @@ impl CycleFit {
     }
 
     /// One step: an iteration of the fit, or one that follows it. `waiting` is the number of
-    /// samples that wait for it. Breaks after the last one, with the reason why the event has no
+    /// samples that wait for it; when they are [`LATE`], the coefficients are computed and nothing
+    /// else, and when they are [`TOO_LATE`], slips recur faster than they can be fitted. Breaks after the last one, with the reason why the event has no
     /// coefficients, if there is one.
     #[inline(never)]
     pub(crate) fn step(
@@ -162,7 +159,11 @@ impl CycleFit {
         learnt: &mut Expectations,
         waiting: u32,
     ) -> ControlFlow<Option<Reason>> {
+        let late = waiting > LATE;
         match &self.stage {
+            FitStage::New | FitStage::Free(_) | FitStage::Expected(_) if waiting > TOO_LATE => {
+                self.stage = FitStage::Failed(Reason::Aliased);
+            }
             FitStage::New => self.start(learnt),
             FitStage::Free(_) => self.free(learnt),
             FitStage::Expected(_) => self.expected(learnt),
@@ -172,11 +173,11 @@ impl CycleFit {
                 self.stage = if wound_back { failed } else { FitStage::Fitted };
             }
             FitStage::Fitted => self.judge(learnt),
-            FitStage::Places(_) => self.place(waiting > NO_PLACES),
+            FitStage::Places(_) => self.place(late),
             FitStage::Learning => self.learn(learnt),
             // Never reached without force terms to test: their code is then left out of the image.
-            FitStage::Alone(_) if learnt.asks() => self.alone(),
-            FitStage::Asked(..) if learnt.asks() => self.asked(learnt),
+            FitStage::Alone(_) if learnt.asks() && !late => self.alone(),
+            FitStage::Asked(..) if learnt.asks() && !late => self.asked(learnt),
             FitStage::Alone(_) | FitStage::Asked(..) | FitStage::Done => {
                 return ControlFlow::Break(self.refused());
             }
@@ -192,7 +193,7 @@ impl CycleFit {
         match &self.stage {
             FitStage::New if self.slip.begins_again(&self.after) => 12,
             FitStage::New if knows_omega => 18,
-            FitStage::New => 52,
+            FitStage::New => 40 + samples.min(GUESSED) * 5 / 2,
             FitStage::Free(_) => 34 + self.slip.pass(&self.priors),
             FitStage::Expected(_) => 4 + self.slip.pass(&self.priors),
             FitStage::Places(_) => 10 + self.slip.pass(&self.priors),
@@ -275,12 +276,11 @@ impl CycleFit {
         self.stage = slip.hidden.map_or(next, FitStage::Failed);
     }
 
-    /// Fits the next place of the onset; ends if it is `late`, or if as many places were tried as
-    /// the time to the next slip allows. The onset is then undetermined within a period to either
-    /// side, unless enough samples lie in the slip.
+    /// Fits the next place of the onset; ends if it is `late`. The onset is then undetermined within
+    /// a period to either side, unless enough samples lie in the slip.
     fn place(&mut self, late: bool) {
         let FitStage::Places(places) = &mut self.stage else { return };
-        self.measured.posterior = if late || f32::from(places.seen()) > PLACES * self.slip.limit {
+        self.measured.posterior = if late {
             let mut at = Posterior::at(&self.fit, self.priors.noise_n2);
             if self.slip.fall() < SHORTEST_FALL {
                 at.begin_anywhere();

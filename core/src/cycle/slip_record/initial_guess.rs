@@ -11,6 +11,10 @@ use crate::stats::line::Line;
 /// parts of that time: each is a quarter to a third longer than the one before.
 const OTHERS: [f32; 4] = [0.6, 0.8, 1.25, 1.6];
 
+/// Most samples by which guesses are compared: a slip with more than one of them lasts at most five
+/// periods.
+pub(crate) const GUESSED: usize = 10;
+
 impl SlipRecord {
     /// Can a fit begin at the cycle of the first answer? Not on a slack cable: without the line
     /// after the slip the first answer is then hardly determined.
@@ -45,9 +49,9 @@ impl SlipRecord {
         let (mut best, mut least_n2) = (with_part(1.0), None);
         // The highest and the lowest sample are each off by half a period at most.
         for part in OTHERS.into_iter().filter(|part| (part - 1.0).abs() * fall <= 1.0) {
-            let least = least_n2.get_or_insert_with(|| data.squares_n2(&best.shape()));
+            let least = least_n2.get_or_insert_with(|| data.squares_n2(&best.shape(), GUESSED));
             let guess = with_part(part);
-            let squares_n2 = data.squares_n2(&guess.shape());
+            let squares_n2 = data.squares_n2(&guess.shape(), GUESSED);
             if squares_n2 < *least {
                 (*least, best) = (squares_n2, guess);
             }

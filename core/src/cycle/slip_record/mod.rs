@@ -9,6 +9,7 @@ mod shorten;
 use core::ops::Range;
 
 use crate::cycle::slip_record::extremes::{Extreme, Rough};
+pub(crate) use crate::cycle::slip_record::initial_guess::GUESSED;
 use crate::detector::{Detector, Stick};
 use crate::event::Reason;
 use crate::fit::{Fit, Samples};
