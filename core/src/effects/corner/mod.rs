@@ -150,8 +150,8 @@ impl CornerEstimator {
         if (0..NUMBERS).any(|i| score.normal.matrix[[i, i]].is_nan()) {
             return Correction::default();
         }
-        let inverse_omega = fit.cycle().inverse_omega();
-        let mut effect = self.take(&used, inverse_omega, score, noise_n2).unwrap_or_default();
+        let used = (used, fit.cycle().inverse_omega());
+        let mut effect = self.take(used, score, noise_n2).unwrap_or_default();
         let Corner { smoothing, missing_n, range_n } = self.corner;
         // Only with creep, for which the other departure may be mistaken.
         if missing_n > 0.0 {
@@ -168,13 +168,6 @@ impl CornerEstimator {
         Correction::default()
     }
 
-    /// Begins with the corners that the first event was fitted with: only the range has a prior.
-    fn begin(&mut self, corner: &Corner) {
-        (self.corner, self.unit_n) = (*corner, corner.range_n);
-        self.best = self.numbers(corner);
-        self.information[place(2, 2)] = RANGE_KNOWN;
-    }
-
     fn numbers(&self, corner: &Corner) -> Numbers {
         [corner.smoothing, corner.missing_n, math::ln(corner.range_n / self.unit_n)]
     }
@@ -184,23 +177,21 @@ impl CornerEstimator {
         self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by)
     }
 
-    /// Takes the score of an event with this swing, fitted with the corners `corner`.
-    fn take(
-        &mut self,
-        corner: &Corner,
-        inverse_omega: f32,
-        score: &Asked,
-        noise_n2: f32,
-    ) -> Option<Correction> {
+    /// Takes the score of an event, fitted with these corners and of this swing.
+    fn take(&mut self, used: (Corner, f32), score: &Asked, noise_n2: f32) -> Option<Correction> {
+        let (corner, swing) = used;
         if !score.determines(1) {
             let [static_n2, dynamic_n2] =
                 [STATIC, DYNAMIC].map(|force| self.possible_n2(score.by(&force)));
             return Some(Correction { static_n2, dynamic_n2, ..Correction::default() });
         }
         if self.count <= 0.0 {
-            self.begin(corner);
+            // The corners of the first event's fit; only the range has a prior.
+            (self.corner, self.unit_n) = (corner, corner.range_n);
+            self.best = self.numbers(&corner);
+            self.information[place(2, 2)] = RANGE_KNOWN;
         }
-        let used = self.numbers(corner);
+        let used = self.numbers(&corner);
         let sharp = score.of_sharp(&used);
         self.add(score, &sharp, &used, noise_n2);
         let information = Symmetric::of_first(&self.information);
@@ -218,7 +209,7 @@ impl CornerEstimator {
         // Scores that scatter by more than the noise make the variances larger in proportion.
         let excess = math::larger(self.chi_square / math::larger(self.count - 1.0, 1.0), 1.0);
         let factor = self.decide(information, &free, excess, &used)?;
-        let moved = self.limited(score, inverse_omega, &used);
+        let moved = self.limited(score, swing, &used);
         let variance = |force: &Gradient| {
             let by = score.by(force);
             let possible = self.possible_n2(by);
