@@ -41,7 +41,7 @@ pub(crate) use crate::detector::catch_up::MOST_PUT_OFF;
 pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
-use crate::detector::line_following::{Look, SHORT, line_delay, whole};
+use crate::detector::line_following::{Look, SHORT, whole};
 use crate::detector::slack_wait::SlackWait;
 use crate::detector::stick_line::LINE_POINTS;
 use crate::effect::{Effect, Effects, Kept};
@@ -132,9 +132,7 @@ impl Detector {
     // Not inlined: built field by field by the caller it takes some hundred bytes of flash more.
     #[inline(never)]
     pub fn new(rate_hz: f32, effects: Effects) -> Self {
-        // Initial value, a fifth of a second: the first slip replaces it.
-        let usual_fall = 0.2 * rate_hz;
-        Self {
+        let mut new = Self {
             effects,
             window: Window::new(),
             noise: Noise::new(),
@@ -154,13 +152,16 @@ impl Detector {
             next: 0,
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
-            usual_fall,
+            // Initial value, a fifth of a second: the first slip replaces it.
+            usual_fall: 0.2 * rate_hz,
             usual_rise: 0.0,
-            line_delay: line_delay(usual_fall, 0.0, 0.0),
+            line_delay: 0,
             creep_periods: 0.0,
             middle_n: 0.0,
             ceiling_n: f32::NEG_INFINITY,
-        }
+        };
+        new.update_delay();
+        new
     }
 
     /// Takes a good sample with an index past all earlier ones. With `waits`, as the cycles have no

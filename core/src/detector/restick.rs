@@ -40,15 +40,12 @@ impl Detector {
     /// Is the force back on the old stick line, as after a spike? A block that creeps leaves the
     /// line before it slips: then a parallel line through the highest sample counts.
     pub(super) fn is_back(&self, now: ForcePoint, drop: f32) -> bool {
-        let off_n = self.off_line_n(now).filter(|_| self.line_fits());
-        match (off_n, self.before_peak_n()) {
-            (Some(off_n), _) => {
-                let peak_off_n = self.off_line_n(self.stick.highest).unwrap_or_default();
-                off_n - smaller(peak_off_n, 0.0) > -LEAST_SHIFT * drop
-            }
-            (None, Some(before_n)) => self.lowest.force_n > before_n - LEAST_SHIFT_BRIEF * drop,
-            (None, None) => false,
+        if let Some(off_n) = self.off_line_n(now).filter(|_| self.line_fits()) {
+            let peak_off_n = self.off_line_n(self.stick.highest).unwrap_or_default();
+            return off_n - smaller(peak_off_n, 0.0) > -LEAST_SHIFT * drop;
         }
+        let least_n = self.lowest.force_n + LEAST_SHIFT_BRIEF * drop;
+        self.before_peak_n().is_some_and(|before_n| before_n < least_n)
     }
 
     /// Force of the sample before the highest one, N, if it belongs to the same stick line.

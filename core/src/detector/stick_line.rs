@@ -21,10 +21,9 @@ pub(crate) struct Stick {
     /// Index at time zero of `line`: kept near the mean time, so that a rest of days costs no
     /// precision.
     pub(super) line_origin: u32,
-    /// The initial line, before it was begun anew; `None` if it was not.
-    first: Option<Line>,
-    /// How many times the line has begun anew.
+    /// How many times the line has begun anew, and the initial line, before it was.
     pub(super) renewals: u8,
+    first: Line,
     /// The loading rate has changed: the winch paused, or turned at another speed.
     pub(crate) broken: bool,
     /// Next index to be taken into the line.
@@ -44,13 +43,17 @@ impl Stick {
     /// Do all samples so far lie on one line?
     #[must_use]
     pub(crate) fn is_straight(&self) -> bool {
-        self.first.is_none()
+        self.renewals == 0
     }
 
     /// The initial line, from the last re-stick on; times from an index on.
     #[must_use]
     pub(crate) fn first_from(&self, index: u32) -> Line {
-        self.first.map_or_else(|| self.line_from(index), |first| moved(first, self.origin, index))
+        if self.is_straight() {
+            self.line_from(index)
+        } else {
+            moved(self.first, self.origin, index)
+        }
     }
 
     /// The current line; times from an index on.
@@ -61,7 +64,7 @@ impl Stick {
 
     /// Keeps the initial line, and begins the current one anew at an index.
     pub(super) fn start_line(&mut self, index: u32) {
-        self.first = Some(self.first_from(self.origin));
+        self.first = self.first_from(self.origin);
         self.strikes = 0;
         (self.line, self.line_origin) = (Line::default(), index);
         self.renewals = self.renewals.saturating_add(1);
@@ -70,7 +73,7 @@ impl Stick {
     /// Drops a line that does not describe the force: only the last samples before the highest one
     /// are used, one by one.
     pub(super) fn forget_line(&mut self) {
-        (self.line, self.first) = (Line::default(), self.first.map(|_| Line::default()));
+        (self.line, self.first) = (Line::default(), Line::default());
         self.next = self.next.min(self.origin.max(self.highest.index.saturating_sub(3)));
     }
 

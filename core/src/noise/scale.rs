@@ -129,12 +129,14 @@ impl Noise {
         self.newest_n = force_n;
     }
 
-    /// Takes a step between samples that is smaller than all before it: the resolution.
+    /// Takes a step between samples that is smaller than the resolution so far, or zero.
     #[cold]
     #[inline(never)]
     fn resolve(&mut self, step_n: f32) {
         if step_n > 0.0 {
             (self.resolution_n, self.hidden_n) = (step_n, OF_STEP * step_n);
+        } else {
+            self.repeats = true;
         }
     }
 
@@ -144,7 +146,6 @@ impl Noise {
         let ([a, b, c], d, e) = (self.row, self.newest_n, force_n);
         self.row = [b, c, d];
         self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
-        self.repeats |= in_a_row && (e - d).abs() <= 0.0;
         if self.filled >= 2 {
             self.time_asymmetry.add(e - d);
         }

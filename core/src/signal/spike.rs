@@ -52,10 +52,10 @@ pub(crate) enum Judged {
 impl SpikeFilter {
     /// Before the first sample.
     #[must_use]
-    pub(crate) const fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
-            before: ForcePoint::ZERO,
-            held: ForcePoint::ZERO,
+            before: ForcePoint::default(),
+            held: ForcePoint::default(),
             count: 0,
             rises: Quantile::new(0.75),
             last_rise_n: 0.0,
