@@ -21,9 +21,10 @@ pub(crate) struct Stick {
     /// Index at time zero of `line`: kept near the mean time, so that a rest of days costs no
     /// precision.
     pub(super) line_origin: u32,
-    /// How many times the line has begun anew, and the initial line, before it was.
+    /// The initial line, before it was begun anew; `None` if it was not.
+    first: Option<Line>,
+    /// How many times the line has begun anew.
     pub(super) renewals: u8,
-    first: Line,
     /// The loading rate has changed: the winch paused, or turned at another speed.
     pub(crate) broken: bool,
     /// Next index to be taken into the line.
@@ -43,17 +44,13 @@ impl Stick {
     /// Do all samples so far lie on one line?
     #[must_use]
     pub(crate) fn is_straight(&self) -> bool {
-        self.renewals == 0
+        self.first.is_none()
     }
 
     /// The initial line, from the last re-stick on; times from an index on.
     #[must_use]
     pub(crate) fn first_from(&self, index: u32) -> Line {
-        if self.is_straight() {
-            self.line_from(index)
-        } else {
-            moved(self.first, self.origin, index)
-        }
+        self.first.map_or_else(|| self.line_from(index), |first| moved(first, self.origin, index))
     }
 
     /// The current line; times from an index on.
@@ -64,7 +61,7 @@ impl Stick {
 
     /// Keeps the initial line, and begins the current one anew at an index.
     pub(super) fn start_line(&mut self, index: u32) {
-        self.first = self.first_from(self.origin);
+        self.first = Some(self.first_from(self.origin));
         self.strikes = 0;
         (self.line, self.line_origin) = (Line::default(), index);
         self.renewals = self.renewals.saturating_add(1);
@@ -73,7 +70,7 @@ impl Stick {
     /// Drops a line that does not describe the force: only the last samples before the highest one
     /// are used, one by one.
     pub(super) fn forget_line(&mut self) {
-        (self.line, self.first) = (Line::default(), Line::default());
+        (self.line, self.first) = (Line::default(), self.first.map(|_| Line::default()));
         self.next = self.next.min(self.origin.max(self.highest.index.saturating_sub(3)));
     }
 
