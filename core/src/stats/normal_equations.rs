@@ -39,30 +39,7 @@ impl Symmetric {
     /// `None` when it is singular to working precision.
     #[must_use]
     pub(crate) fn factor(&self, damping: f32) -> Option<Factor> {
-        let mut lower = [0.0; ENTRIES - UNKNOWNS];
-        let mut inverse = Gradient::default();
-        let raise = 1.0 + damping;
-        for i in 0..UNKNOWNS {
-            // The row of L D first, its products with L as they are known.
-            let mut row = Gradient::default();
-            let (diagonal, given) = self.row(i).split_last()?;
-            let mut pivot = diagonal * raise;
-            for (j, entry) in given.iter().enumerate().take(UNKNOWNS) {
-                let mut sum = *entry;
-                for k in 0..j {
-                    sum -= row[k] * lower[below(j, k)];
-                }
-                row[j] = sum;
-                lower[below(i, j)] = sum * inverse[j];
-                pivot -= sum * lower[below(i, j)];
-            }
-            // Also false for NaN.
-            if !(pivot > SMALLEST_PIVOT * diagonal && pivot < f32::MAX) {
-                return None;
-            }
-            inverse[i] = 1.0 / pivot;
-        }
-        Some(Factor { lower, inverse })
+        Factor::new(self, damping)
     }
 
     /// Its lower triangle, row by row: the entries of the first unknowns come first.
@@ -174,6 +151,33 @@ const fn below(row: usize, column: usize) -> usize {
 const SMALLEST_PIVOT: f32 = 1e-6;
 
 impl Factor {
+    fn new(matrix: &Symmetric, damping: f32) -> Option<Self> {
+        let mut lower = [0.0; ENTRIES - UNKNOWNS];
+        let mut inverse = Gradient::default();
+        let raise = 1.0 + damping;
+        for i in 0..UNKNOWNS {
+            // The row of L D first, its products with L as they are known.
+            let mut row = Gradient::default();
+            let (diagonal, given) = matrix.row(i).split_last()?;
+            let mut pivot = diagonal * raise;
+            for (j, entry) in given.iter().enumerate().take(UNKNOWNS) {
+                let mut sum = *entry;
+                for k in 0..j {
+                    sum -= row[k] * lower[below(j, k)];
+                }
+                row[j] = sum;
+                lower[below(i, j)] = sum * inverse[j];
+                pivot -= sum * lower[below(i, j)];
+            }
+            // Also false for NaN.
+            if !(pivot > SMALLEST_PIVOT * diagonal && pivot < f32::MAX) {
+                return None;
+            }
+            inverse[i] = 1.0 / pivot;
+        }
+        Some(Self { lower, inverse })
+    }
+
     /// Solves `A x = right`.
     #[must_use]
     pub(crate) fn solve(&self, right: &Gradient) -> Gradient {
