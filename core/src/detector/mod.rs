@@ -41,9 +41,8 @@ pub(crate) use crate::detector::catch_up::MOST_PUT_OFF;
 pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
-use crate::detector::line_following::{Look, SHORT, whole};
+use crate::detector::line_following::{Look, SHORT};
 use crate::detector::slack_wait::SlackWait;
-use crate::detector::stick_line::LINE_POINTS;
 use crate::effect::{Effect, Effects, Kept};
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
@@ -258,9 +257,7 @@ impl Detector {
         // Only now is the usual rise known, by which the first onset lies before its peak.
         self.shorten_line();
         self.middle_n = peak.force_n - 0.5 * larger(drop, self.usual_drop_n);
-        // The stop is as far from the lowest force as the onset is from the highest.
-        let stop = low.index + whole(self.usual_rise);
-        self.rest_from(now, now.index.max(stop) + 1);
+        self.rest_from(now, now.index + 1);
         self.slack_wait = wait;
         self.look_back(low.index, now.index);
         Transition::Restick { peak, low }
@@ -276,9 +273,6 @@ impl Detector {
     fn cancel(&mut self, now: ForcePoint) -> Transition {
         self.phase = Phase::Stick;
         self.stick.next = now.index + 1;
-        if self.stick.line.count < LINE_POINTS {
-            self.stick.highest = now;
-        }
         Transition::Cancelled
     }
 
