@@ -107,7 +107,7 @@ pub enum Phase {
 /// A moment between samples: an index and a fraction of a period, 0 to below 1.
 ///
 /// Index and fraction are kept apart: after a month of samples the resolution is the same.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SampleTime {
@@ -118,9 +118,6 @@ pub struct SampleTime {
 }
 
 impl SampleTime {
-    /// The first sample.
-    pub(crate) const ZERO: Self = Self { index: 0, fraction: 0.0 };
-
     /// The moment that lies `periods` after an index; before it, if they are negative.
     pub(crate) fn after(origin: u32, periods: f32) -> Self {
         let whole = math::floor(periods);
@@ -145,11 +142,6 @@ pub struct ForcePoint {
     pub index: u32,
     /// Its force, N.
     pub force_n: f32,
-}
-
-impl ForcePoint {
-    /// Stands for no sample, before the first one.
-    pub(crate) const ZERO: Self = Self { index: 0, force_n: 0.0 };
 }
 
 /// Periods from `origin` to `index`, negative if that lies before: indices are below 2^31.

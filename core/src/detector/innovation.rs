@@ -1,7 +1,6 @@
 //! The innovation: a sample minus the stick line's forecast, with its standard deviation.
 
 use crate::detector::Detector;
-use crate::noise::flop::FlopProfile;
 use crate::sample::{ForcePoint, since};
 
 /// The stick line describes the force while the standard deviation of its innovations is less than
@@ -26,13 +25,7 @@ impl Detector {
     /// Variance of a sample at rest in units of that of a late sample, long after the re-stick.
     #[inline(always)]
     pub(super) fn variance(&self, index: u32) -> f32 {
-        let profile = self.profile.get().filter(|it| !it.is_flat());
-        profile.map_or(1.0, |it| self.flop_variance(it, index))
-    }
-
-    #[inline(never)]
-    fn flop_variance(&self, profile: &FlopProfile, index: u32) -> f32 {
-        profile.variance(since(self.stick.origin, index))
+        self.profile.get().map_or(1.0, |it| it.variance(since(self.stick.origin, index)))
     }
 
     /// Does the stick line describe the force? `false` where the block never rests long enough,

@@ -46,12 +46,6 @@ pub(super) enum Look {
     Both,
 }
 
-/// Samples by which a stick line stays behind the newest one. Arguments, periods: the usual fall,
-/// the usual rise after the onset, and the time of creep before it.
-pub(super) fn line_delay(usual_fall: f32, usual_rise: f32, creep_periods: f32) -> u32 {
-    (2 + (0.3 * usual_fall + creep_periods) as u32 + whole(usual_rise)).min(WINDOW as u32 / 4)
-}
-
 /// Rounds to the nearest sample.
 pub(super) fn whole(periods: f32) -> u32 {
     (periods + 0.5) as u32
@@ -60,7 +54,8 @@ pub(super) fn whole(periods: f32) -> u32 {
 impl Detector {
     /// Sets the delay of the line from the usual fall, the usual rise and the time of creep.
     pub(super) fn update_delay(&mut self) {
-        self.line_delay = line_delay(self.usual_fall, self.usual_rise, self.creep_periods);
+        let before = (0.3 * self.usual_fall + self.creep_periods) as u32;
+        self.line_delay = (2 + before + whole(self.usual_rise)).min(WINDOW as u32 / 4);
     }
 
     /// Takes samples into the line, at a delay long enough that neither a slip that has begun

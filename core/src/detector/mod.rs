@@ -41,9 +41,8 @@ pub(crate) use crate::detector::catch_up::MOST_PUT_OFF;
 pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
-use crate::detector::line_following::{Look, SHORT, line_delay, whole};
+use crate::detector::line_following::{Look, SHORT};
 use crate::detector::slack_wait::SlackWait;
-use crate::detector::stick_line::LINE_POINTS;
 use crate::effect::{Effect, Effects, Kept};
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
@@ -132,9 +131,7 @@ impl Detector {
     // Not inlined: built field by field by the caller it takes some hundred bytes of flash more.
     #[inline(never)]
     pub fn new(rate_hz: f32, effects: Effects) -> Self {
-        // Initial value, a fifth of a second: the first slip replaces it.
-        let usual_fall = 0.2 * rate_hz;
-        Self {
+        let mut new = Self {
             effects,
             window: Window::new(),
             noise: Noise::new(),
@@ -154,13 +151,16 @@ impl Detector {
             next: 0,
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
-            usual_fall,
+            // Initial value, a fifth of a second: the first slip replaces it.
+            usual_fall: 0.2 * rate_hz,
             usual_rise: 0.0,
-            line_delay: line_delay(usual_fall, 0.0, 0.0),
+            line_delay: 0,
             creep_periods: 0.0,
             middle_n: 0.0,
             ceiling_n: f32::NEG_INFINITY,
-        }
+        };
+        new.update_delay();
+        new
     }
 
     /// Takes a good sample with an index past all earlier ones. With `waits`, as the cycles have no
@@ -257,9 +257,7 @@ impl Detector {
         // Only now is the usual rise known, by which the first onset lies before its peak.
         self.shorten_line();
         self.middle_n = peak.force_n - 0.5 * larger(drop, self.usual_drop_n);
-        // The stop is as far from the lowest force as the onset is from the highest.
-        let stop = low.index + whole(self.usual_rise);
-        self.rest_from(now, now.index.max(stop) + 1);
+        self.rest_from(now, now.index + 1);
         self.slack_wait = wait;
         self.look_back(low.index, now.index);
         Transition::Restick { peak, low }
@@ -275,9 +273,6 @@ impl Detector {
     fn cancel(&mut self, now: ForcePoint) -> Transition {
         self.phase = Phase::Stick;
         self.stick.next = now.index + 1;
-        if self.stick.line.count < LINE_POINTS {
-            self.stick.highest = now;
-        }
         Transition::Cancelled
     }
 

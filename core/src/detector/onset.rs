@@ -3,7 +3,7 @@
 
 use crate::detector::Detector;
 use crate::detector::stick_line::LINE_POINTS;
-use crate::num::math::{self, larger};
+use crate::num::math::larger;
 use crate::sample::{ForcePoint, Phase, periods_between};
 
 /// Innovation beyond which a sample is not on the line, standard deviations of the noise: exceeded
@@ -73,16 +73,9 @@ impl Detector {
     /// Depth of a sample below the stick line, N, over the standard deviation of its innovation in
     /// units of a sample's: as significant as the same depth of one sample below a known line.
     /// `None` with fewer than four samples on the line.
-    ///
-    /// Where the line rises its mean is a limit as well, however uncertain the slope is.
     fn depth(&self, now: ForcePoint) -> Option<f32> {
         let off_n = self.off_line_n(now)?;
-        let (line, variance) = (&self.stick.line, self.variance(now.index));
-        let below_mean =
-            (line.level_n - now.force_n) / math::rough_sqrt(variance + 1.0 / line.weight);
-        let rises = line.slope().is_some_and(|slope| slope > 0.0);
-        let below_line = -off_n / self.spread(now, variance);
-        Some(if rises { larger(below_line, below_mean) } else { below_line })
+        Some(-off_n / self.spread(now, self.variance(now.index)))
     }
 
     /// Sets the peak to the highest sample since the force last lay on the line. Where the force

@@ -83,7 +83,7 @@ impl Detector {
     #[must_use]
     pub(crate) fn rest_weight(&self) -> f32 {
         let age = -0.5 * since(self.lowest.index, self.last.index);
-        self.profile.get().map_or(1.0, |profile| profile.weight(age))
+        self.profile.get().map_or(1.0, |profile| 1.0 / profile.variance(age))
     }
 
     /// Usual drop of a slip, N; zero before the first.
@@ -99,22 +99,16 @@ impl Detector {
         Effects::NONE.with(Effect::Flop, flops).with(Effect::Ripple, !self.wander().is_none())
     }
 
-    /// Estimate of the flop or of the ripple from the recent rests; `None` for any other effect.
+    /// Estimate of the flop from the recent rests.
     #[must_use]
-    pub(crate) fn parameter(&self, effect: Effect) -> Option<Parameter> {
-        match effect {
-            Effect::Flop => self.profile.get().map(FlopProfile::parameter),
-            Effect::Ripple => self.ripple.read(Ripple::parameter),
-            Effect::Corner
-            | Effect::Sag
-            | Effect::Stiffening
-            | Effect::Mass
-            | Effect::Level
-            | Effect::Drift
-            | Effect::Damping
-            | Effect::Onset
-            | Effect::Scatter => None,
-        }
+    pub(crate) fn flop(&self) -> Option<Parameter> {
+        self.profile.get().map(FlopProfile::parameter)
+    }
+
+    /// Estimate of the ripple from the recent rests.
+    #[must_use]
+    pub(crate) fn ripple(&self) -> Option<Parameter> {
+        self.ripple.read(Ripple::parameter)
     }
 
     /// Takes the noise, N, estimated from the residuals of all events so far; `believed` if the

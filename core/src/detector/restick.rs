@@ -7,8 +7,6 @@ use crate::sample::ForcePoint;
 
 /// Rise that ends a slip at once, standard deviations of the noise (normal: one in 16 000).
 const SURE_RISE: f32 = 4.0;
-/// Rise that ends a slip where [`SURE_RISE`] is larger, parts of the drop.
-const MOST_RISE: f32 = 0.5;
 /// Least rise that ends a slip at once, parts of the drop. Tuned: a lower value lets noise and flop
 /// end long slips early, with a higher one a slip ends half its length after the lowest sample.
 const CLEAR_RISE: f32 = 0.12;
@@ -32,23 +30,19 @@ impl Detector {
         let drop = self.stick.highest.force_n - self.lowest.force_n;
         let fall = self.lowest.index - self.stick.highest.index;
         let rise = now.force_n - self.lowest.force_n;
-        let rises =
-            rise > larger(smaller(SURE_RISE * self.std_n, MOST_RISE * drop), CLEAR_RISE * drop);
+        let rises = rise > larger(SURE_RISE * self.std_n, CLEAR_RISE * drop);
         rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
     }
 
     /// Is the force back on the old stick line, as after a spike? A block that creeps leaves the
     /// line before it slips: then a parallel line through the highest sample counts.
     pub(super) fn is_back(&self, now: ForcePoint, drop: f32) -> bool {
-        let off_n = self.off_line_n(now).filter(|_| self.line_fits());
-        match (off_n, self.before_peak_n()) {
-            (Some(off_n), _) => {
-                let peak_off_n = self.off_line_n(self.stick.highest).unwrap_or_default();
-                off_n - smaller(peak_off_n, 0.0) > -LEAST_SHIFT * drop
-            }
-            (None, Some(before_n)) => self.lowest.force_n > before_n - LEAST_SHIFT_BRIEF * drop,
-            (None, None) => false,
+        if let Some(off_n) = self.off_line_n(now).filter(|_| self.line_fits()) {
+            let peak_off_n = self.off_line_n(self.stick.highest).unwrap_or_default();
+            return off_n - smaller(peak_off_n, 0.0) > -LEAST_SHIFT * drop;
         }
+        let least_n = self.lowest.force_n + LEAST_SHIFT_BRIEF * drop;
+        self.before_peak_n().is_some_and(|before_n| before_n < least_n)
     }
 
     /// Force of the sample before the highest one, N, if it belongs to the same stick line.
@@ -69,8 +63,7 @@ impl Detector {
     /// Updates the usual drop, N, and the usual fall, periods, by those of a slip.
     pub(super) fn update_usual(&mut self, drop: f32, fall: f32) {
         if self.usual_drop_n > 0.0 {
-            // Not `clamp`, which panics at a NaN limit.
-            let change = smaller(larger(drop - self.usual_drop_n, -0.5 * self.usual_drop_n), drop);
+            let change = larger(drop - self.usual_drop_n, -0.5 * self.usual_drop_n);
             self.usual_drop_n = larger(self.usual_drop_n + USUAL_GAIN * change, 0.5 * drop);
             self.usual_fall += USUAL_GAIN * (fall - self.usual_fall);
         } else {

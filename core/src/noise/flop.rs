@@ -65,14 +65,14 @@ impl FlopProfile {
 
     /// Variance of a sample of this age, periods, over that of a late one.
     #[must_use]
+    #[inline(always)]
     pub(crate) fn variance(&self, age: f32) -> f32 {
-        if self.is_flat() { 1.0 } else { 1.0 + self.excess * math::exp(-self.decay * age) }
+        if self.is_flat() { 1.0 } else { self.early_variance(age) }
     }
 
-    /// Weight of a sample of this age, periods: one over its [`Self::variance`].
-    #[must_use]
-    pub(crate) fn weight(&self, age: f32) -> f32 {
-        if self.is_flat() { 1.0 } else { 1.0 / self.variance(age) }
+    #[inline(never)]
+    fn early_variance(&self, age: f32) -> f32 {
+        1.0 + self.excess * math::exp(-self.decay * age)
     }
 
     /// Standard deviation of the first samples of a stick over that of late ones. The excess has

@@ -19,7 +19,7 @@ const LITTLE: f32 = 0.3;
 const ROUNDING: f32 = 4e-6;
 
 /// Running sums over the recent second differences.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct WithoutOscillation {
     /// Σ u'²: of the one in the middle.
     middle_n2: f32,
@@ -31,10 +31,6 @@ pub(crate) struct WithoutOscillation {
 }
 
 impl WithoutOscillation {
-    pub(crate) const fn new() -> Self {
-        Self { middle_n2: 0.0, product_n2: 0.0, outer_n2: 0.0, count: 0.0 }
-    }
-
     /// Takes the sum of two second differences, N, and the one between them.
     pub(crate) fn add(&mut self, outer_n: f32, middle_n: f32) {
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
@@ -68,7 +64,7 @@ mod tests {
     /// Mean estimate of the noise's standard deviation, N: for noise of 2 N and an oscillation of
     /// this amplitude, with this period in samples.
     fn seen(amplitude_n: f32, samples: f32) -> f32 {
-        let (mut oscillation, mut random) = (WithoutOscillation::new(), Random(3));
+        let (mut oscillation, mut random) = (WithoutOscillation::default(), Random(3));
         let mut last = [0.0; 5];
         let mut mean_n2 = 0.0;
         for i in 0..1500_u16 {
@@ -97,10 +93,10 @@ mod tests {
 
     #[test]
     fn few_samples_and_a_force_that_stands_still_tell_nothing() {
-        let mut oscillation = WithoutOscillation::new();
+        let mut oscillation = WithoutOscillation::default();
         (0..20_u8).for_each(|i| oscillation.add(f32::from(i % 3), f32::from(i % 2)));
         assert!(oscillation.noise_n2().is_none());
-        let mut still = WithoutOscillation::new();
+        let mut still = WithoutOscillation::default();
         (0..200).for_each(|_| still.add(0.0, 0.0));
         assert!(still.noise_n2().is_none());
     }

@@ -33,8 +33,6 @@ pub(crate) struct Noise {
     fits: u8,
     /// Were two samples in a row equal?
     repeats: bool,
-    /// Number of samples without a gap, up to five.
-    filled: u8,
     /// Median of the innovations' absolute values.
     innovation: Quantile,
     /// Their upper quartile, until the first fit: with the coarse steps of a converter the median
@@ -44,7 +42,7 @@ pub(crate) struct Noise {
     /// Median of the second differences' absolute values.
     second_difference: Quantile,
     oscillation: WithoutOscillation,
-    /// The samples before the newest, newest last.
+    /// The samples before the newest, newest last; NaN before the first and in a gap.
     row: [f32; 3],
 }
 
@@ -83,7 +81,7 @@ const ROUNDING: f32 = 4e-7;
 impl Noise {
     /// Before the first sample.
     #[must_use]
-    pub(crate) const fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             newest_n: f32::NAN,
             resolution_n: f32::INFINITY,
@@ -91,13 +89,12 @@ impl Noise {
             fitted_n: 0.0,
             fits: 0,
             repeats: false,
-            filled: 0,
             innovation: Quantile::new(0.5),
             upper: Quantile::new(0.75),
             time_asymmetry: TimeAsymmetry::new(),
             second_difference: Quantile::new(0.5),
-            oscillation: WithoutOscillation::new(),
-            row: [0.0; 3],
+            oscillation: WithoutOscillation::default(),
+            row: [f32::NAN; 3],
         }
     }
 
@@ -129,31 +126,33 @@ impl Noise {
         self.newest_n = force_n;
     }
 
-    /// Takes a step between samples that is smaller than all before it: the resolution.
+    /// Takes a step between samples that is smaller than the resolution so far, or zero.
     #[cold]
     #[inline(never)]
     fn resolve(&mut self, step_n: f32) {
         if step_n > 0.0 {
             (self.resolution_n, self.hidden_n) = (step_n, OF_STEP * step_n);
+        } else {
+            self.repeats = true;
         }
     }
 
-    /// Takes the newest samples' differences.
+    /// Takes the newest samples' differences; those before the first and across a gap are NaN.
     #[inline(never)]
-    fn difference(&mut self, force_n: f32, in_a_row: bool) {
-        let ([a, b, c], d, e) = (self.row, self.newest_n, force_n);
+    fn difference(&mut self, e: f32, in_a_row: bool) {
+        let ([a, b, c], d) = (self.row, if in_a_row { self.newest_n } else { f32::NAN });
         self.row = [b, c, d];
-        self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
-        self.repeats |= in_a_row && (e - d).abs() <= 0.0;
-        if self.filled >= 2 {
-            self.time_asymmetry.add(e - d);
+        let step = e - d;
+        if !step.is_nan() {
+            self.time_asymmetry.add(step);
         }
-        if self.filled >= 3 {
-            let second = (c - 2.0 * d + e).abs();
+        let second = (c - 2.0 * d + e).abs();
+        if !second.is_nan() {
             self.second_difference.add(second);
         }
-        if self.filled >= 5 {
-            self.oscillation.add(a - 2.0 * (b - c + d) + e, b - 2.0 * c + d);
+        let outer = a - 2.0 * (b - c + d) + e;
+        if !outer.is_nan() {
+            self.oscillation.add(outer, b - 2.0 * c + d);
         }
     }
 

@@ -73,7 +73,8 @@ impl Pipeline {
     fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         let [first, second] = self.cycles.parameters(effect);
         match effect {
-            Effect::Flop | Effect::Ripple => [self.detector.parameter(effect), first],
+            Effect::Flop => [self.detector.flop(), first],
+            Effect::Ripple => [self.detector.ripple(), first],
             // A drift widens the intervals and shifts nothing.
             Effect::Drift => {
                 let zero = |std| Parameter { name: "zero_n", value: 0.0, std };

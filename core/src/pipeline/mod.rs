@@ -23,7 +23,7 @@ use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, Sampl
 use crate::signal::calibrate::Calibrator;
 use crate::signal::decimate::Decimator;
 use crate::signal::derivative::{Central, Rate};
-use crate::signal::spike::{Judged, SpikeFilter, Usual};
+use crate::signal::spike::{Judged, SpikeFilter};
 use crate::stretch::{Stretch, Stretches};
 
 /// What one sample led to.
@@ -82,8 +82,6 @@ pub struct Pipeline {
     calibrator: Calibrator,
     /// Standard deviation of the noise of a sample over that of a block: the root of its length.
     block_root: f32,
-    /// Has a step returned the newest change?
-    change_given: bool,
     stretches: Stretches,
     detector: Detector,
     cycles: CycleTracker,
@@ -145,7 +143,6 @@ impl Pipeline {
             weight_std: 0.0,
             events: 0,
             change: None,
-            change_given: true,
             stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
             last_onset: None,
             intervals: 0,
@@ -169,8 +166,9 @@ impl Pipeline {
     fn take(&mut self, step: &mut Step) {
         if let Some(force_n) = step.sample.force_n {
             let newest = ForcePoint { index: step.sample.index, force_n };
-            let (detector, root) = (&self.detector, self.block_root);
-            match self.spikes.step(newest, || Usual::of(detector, root)) {
+            // The noise of a sample is the root of a block's length times that of the block.
+            let noise_n = self.detector.std_n() * self.block_root;
+            match self.spikes.step(newest, noise_n, self.detector.usual_drop_n()) {
                 Judged::Nothing => {}
                 Judged::Spike(spike) => {
                     self.counters.rejected += 1;
@@ -182,14 +180,8 @@ impl Pipeline {
                 }
             }
         }
-        if !self.change_given {
-            (step.change, self.change_given) = (self.change, true);
-        }
         if let Some(stretch) = self.stretches.next() {
             step.stretch = Some(self.in_samples(stretch));
-        }
-        if let Some(Provisional { mu_s, mu }) = &mut step.provisional {
-            self.add_systematic(Some(mu_s), mu.as_mut());
         }
         step.phase = self.phase(step.sample);
     }
@@ -211,6 +203,9 @@ impl Pipeline {
         self.follow(transition, step);
         if transition == Some(Transition::Onset) && !self.decimator.averages() {
             step.provisional = self.cycles.onset(&self.detector);
+        }
+        if let Some(Provisional { mu_s, mu }) = &mut step.provisional {
+            self.add_systematic(Some(mu_s), mu.as_mut());
         }
     }
 
@@ -247,7 +242,7 @@ impl Pipeline {
         self.cycles.work(&self.detector, &mut answers);
         step.provisional = answers.first;
         if let Some(finished) = answers.finished {
-            step.event = self.count(finished);
+            self.count(finished, step);
         }
     }
 
@@ -286,18 +281,12 @@ impl Pipeline {
         {
             self.follow(Some(transition), &mut step);
         }
-        step.event.or_else(|| self.last_event())
-    }
-
-    /// The next event of the fits that are under way, or have still to be made.
-    fn last_event(&mut self) -> Option<Event> {
-        while let Some(finished) = self.cycles.finish(&self.detector) {
-            let event = self.count(finished);
-            if event.is_some() {
-                return event;
-            }
+        while step.event.is_none()
+            && let Some(finished) = self.cycles.finish(&self.detector)
+        {
+            self.count(finished, &mut step);
         }
-        None
+        step.event
     }
 
     /// Completes what is left of a test whose events have all been given, one stretch a call, until
@@ -312,13 +301,5 @@ impl Pipeline {
     fn in_samples(&self, stretch: Stretch) -> Stretch {
         let [start, stop] = [stretch.start, stretch.stop].map(|it| self.decimator.moment(it));
         Stretch { start, stop, ..stretch }
-    }
-}
-
-impl Usual {
-    /// The detector's noise and usual drop, for samples whose noise is `block_root` times a
-    /// block's.
-    fn of(detector: &Detector, block_root: f32) -> Self {
-        Self { noise_n: detector.std_n() * block_root, drop_n: detector.usual_drop_n() }
     }
 }

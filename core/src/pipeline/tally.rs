@@ -4,23 +4,23 @@ use crate::cycle::Finished;
 use crate::effect::{Effect, Effects};
 use crate::effects::level_shift::Change;
 use crate::estimator::Common;
-use crate::event::{Event, Quality};
+use crate::event::Quality;
 use crate::num::math;
-use crate::pipeline::Pipeline;
+use crate::pipeline::{Pipeline, Step};
 use crate::sample::SampleTime;
 
 impl Pipeline {
-    /// Counts an event, and returns it; `None` if nothing slipped.
-    pub(super) fn count(&mut self, finished: Finished) -> Option<Event> {
+    /// Counts an event, and puts it into the step; does neither if nothing slipped.
+    pub(super) fn count(&mut self, finished: Finished, step: &mut Step) {
         if let Some(reason) = finished.event.reason.filter(|reason| reason.is_no_slip()) {
             self.stretches.refuse(finished.event.onset, finished.event.stop, reason);
-            return None;
+            return;
         }
         self.stretches.end_before(finished.event.onset);
         let Some((onset, stop)) = self.stretches.outside(&finished.event) else {
             // The event was found late, within a constant force that has been returned already.
             self.cycles.withdraw();
-            return None;
+            return;
         };
         let Finished { mut event, alone, common, change } = finished;
         event.onset = self.decimator.moment(onset);
@@ -34,7 +34,7 @@ impl Pipeline {
         if let Some(change) = change {
             let onset = self.decimator.moment(change.onset);
             self.change = Some(Change { onset, ..change });
-            self.change_given = false;
+            step.change = self.change;
         }
         let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
         let drifts = self.config.effects.has(Effect::Drift);
@@ -58,7 +58,7 @@ impl Pipeline {
             self.weight_std += (self.cycles.weight_ratio().1 - self.weight_std) / events;
         }
         self.add_systematic(event.mu_s.as_mut(), event.mu.as_mut());
-        Some(event)
+        step.event = Some(event);
     }
 
     /// Takes the onset of an event. The interval to the event before counts unless a gap or a

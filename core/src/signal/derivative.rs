@@ -21,10 +21,8 @@ pub struct Rate {
 /// The paper's derivative: three samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Central {
-    /// The last three forces, N, newest last.
-    forces_n: [f32; 3],
-    /// Samples in a row without a gap, of those before the newest; at most two.
-    filled: u32,
+    /// The last two forces without a gap after them, N, newest last; NaN is none.
+    forces_n: [f32; 2],
     /// Index that continues the row without a gap.
     next: u32,
     rate_hz: f32,
@@ -34,24 +32,21 @@ impl Central {
     /// For a sampling rate in hertz.
     #[must_use]
     pub fn new(rate_hz: f32) -> Self {
-        Self { forces_n: [0.0; 3], filled: 0, next: 0, rate_hz }
+        Self { forces_n: [f32::NAN; 2], next: 0, rate_hz }
     }
 
     /// Takes a good sample; gives the rate at the middle of the last three, or `None` at the start
     /// and after a gap until three are there in a row.
     pub fn step(&mut self, index: u32, force_n: f32) -> Option<Rate> {
         if index != self.next {
-            self.filled = 0;
+            self.forces_n = [f32::NAN; 2];
         }
         self.next = index.wrapping_add(1);
-        let [_, before_n, middle_n] = self.forces_n;
-        self.forces_n = [before_n, middle_n, force_n];
-        if self.filled < 2 {
-            self.filled += 1;
-            return None;
-        }
+        let [before_n, middle_n] = self.forces_n;
+        self.forces_n = [middle_n, force_n];
         let rate_n_per_s = 0.5 * (force_n - before_n) * self.rate_hz;
-        Some(Rate { index: index.wrapping_sub(1), force_n: middle_n, rate_n_per_s })
+        let rate = Rate { index: index.wrapping_sub(1), force_n: middle_n, rate_n_per_s };
+        (!before_n.is_nan()).then_some(rate)
     }
 }
 

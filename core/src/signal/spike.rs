@@ -25,15 +25,6 @@ const FADE: f32 = 0.5;
 /// Largest distance of the neighbours, periods: those further apart are no measure of a sample.
 const LONGEST_SPAN: u32 = 4;
 
-/// Scales of the force that the filter needs.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Usual {
-    /// Standard deviation of the noise, N; infinite: nothing is a spike yet.
-    pub(crate) noise_n: f32,
-    /// Usual drop of a slip, N.
-    pub(crate) drop_n: f32,
-}
-
 /// Holds one sample back.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpikeFilter {
@@ -61,28 +52,31 @@ pub(crate) enum Judged {
 impl SpikeFilter {
     /// Before the first sample.
     #[must_use]
-    pub(crate) const fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
-            before: ForcePoint::ZERO,
-            held: ForcePoint::ZERO,
+            before: ForcePoint::default(),
+            held: ForcePoint::default(),
             count: 0,
             rises: Quantile::new(0.75),
             last_rise_n: 0.0,
         }
     }
 
-    /// Takes a sample and judges the one before it; `usual` is called only if that one is above or
-    /// below both its neighbours.
-    pub(crate) fn step(&mut self, sample: ForcePoint, usual: impl FnOnce() -> Usual) -> Judged {
+    /// Takes a sample and judges the one before it, by the standard deviation of the noise, N
+    /// (infinite: nothing is a spike yet), and the usual drop of a slip, N.
+    pub(crate) fn step(&mut self, sample: ForcePoint, noise_n: f32, drop_n: f32) -> Judged {
         let (before, held) = (self.before, core::mem::replace(&mut self.held, sample));
         if self.count < 2 {
             (self.before, self.count) = (held, self.count + 1);
             return if self.count == 1 { Judged::Nothing } else { Judged::Good(held) };
         }
         let (left, right) = (held.force_n - before.force_n, held.force_n - sample.force_n);
-        let is_extreme = left * right > 0.0;
-        if is_extreme && self.stands_out((left, right), sample.index - before.index, usual()) {
-            return Judged::Spike(held);
+        // Above or below both its neighbours.
+        if left * right > 0.0 {
+            let least_n = larger(NOISES * noise_n, PART_OF_DROP * drop_n);
+            if self.stands_out((left, right), sample.index - before.index, least_n) {
+                return Judged::Spike(held);
+            }
         }
         self.before = held;
         if left > 0.0 && held.index == before.index + 1 {
@@ -100,16 +94,15 @@ impl SpikeFilter {
     }
 
     /// Is a sample a spike that differs by these forces, N, from its neighbours, `span` periods
-    /// apart?
+    /// apart? By noise and slips a good sample may differ by `least_n`.
     #[inline(never)]
-    fn stands_out(&self, (left, right): (f32, f32), span: u32, usual: Usual) -> bool {
+    fn stands_out(&self, (left, right): (f32, f32), span: u32, least_n: f32) -> bool {
         if span > LONGEST_SPAN {
             return false;
         }
         let Some(rise_n) = self.rises.value() else { return false };
         let rises = RISES * larger(rise_n, self.last_rise_n) * span as f32 / 2.0;
-        let least = larger(larger(NOISES * usual.noise_n, PART_OF_DROP * usual.drop_n), rises);
-        smaller(left.abs(), right.abs()) > least
+        smaller(left.abs(), right.abs()) > larger(least_n, rises)
     }
 }
 
@@ -117,14 +110,15 @@ impl SpikeFilter {
 mod tests {
     use super::*;
 
-    const USUAL: Usual = Usual { noise_n: 2.0, drop_n: 200.0 };
+    const NOISE_N: f32 = 2.0;
+    const DROP_N: f32 = 200.0;
 
     /// Index of the spike after a rise of 10 N a sample to 500 N.
-    fn spike_in(forces: [f32; 6], usual: &Usual) -> Option<usize> {
+    fn spike_in(forces: [f32; 6], noise_n: f32) -> Option<usize> {
         let mut filter = SpikeFilter::new();
         let rise = (0..20).map(|i| 300.0 + 10.0 * i as f32);
         rise.chain(forces).enumerate().fold(None, |found, (i, force_n)| {
-            match filter.step(ForcePoint { index: i as u32, force_n }, || *usual) {
+            match filter.step(ForcePoint { index: i as u32, force_n }, noise_n, DROP_N) {
                 Judged::Spike(spike) => Some(spike.index as usize - 20),
                 Judged::Nothing | Judged::Good(_) => found,
             }
@@ -140,28 +134,27 @@ mod tests {
             ([500.0, 510.0, 200.0, 210.0, 220.0, 230.0], None),
             ([500.0, 510.0, 540.0, 530.0, 540.0, 550.0], None),
         ] {
-            assert_eq!(spike_in(forces, &USUAL), spike, "{forces:?}");
+            assert_eq!(spike_in(forces, NOISE_N), spike, "{forces:?}");
         }
     }
 
     #[test]
     fn the_first_slip_after_a_held_cable_has_no_spikes() {
-        let unknown = Usual { drop_n: 0.0, ..USUAL };
         let mut filter = SpikeFilter::new();
         // Held, with some noise; pulled; and a slip that shows a single sample at either end.
         let held = (0..200).map(|i| 300.0 + 2.0 * (i % 3) as f32);
         let pulled = (1..4).map(|i| 300.0 + 370.0 * i as f32);
         let slip = [1500.0, 700.0, 200.0, 600.0, 970.0];
         for (i, force_n) in held.chain(pulled).chain(slip).enumerate() {
-            let judged = filter.step(ForcePoint { index: i as u32, force_n }, || unknown);
+            let judged = filter.step(ForcePoint { index: i as u32, force_n }, NOISE_N, 0.0);
             assert!(!matches!(judged, Judged::Spike(_)), "{i}");
         }
     }
 
     #[test]
     fn nothing_is_judged_before_the_noise_is_known() {
-        let usual = Usual { noise_n: f32::INFINITY, ..USUAL };
-        assert_eq!(spike_in([500.0, 1e6, 520.0, 530.0, 540.0, 550.0], &usual), None);
+        let forces = [500.0, 1e6, 520.0, 530.0, 540.0, 550.0];
+        assert_eq!(spike_in(forces, f32::INFINITY), None);
     }
 
     #[test]
@@ -169,7 +162,7 @@ mod tests {
         let mut filter = SpikeFilter::new();
         for i in 0..300 {
             let force_n = 200.0 + 225.0 * (i as f32 * (2.0 / 7.0)).fract() * 3.5;
-            let judged = filter.step(ForcePoint { index: i, force_n }, || USUAL);
+            let judged = filter.step(ForcePoint { index: i, force_n }, NOISE_N, DROP_N);
             assert!(!matches!(judged, Judged::Spike(_)), "{i}");
         }
     }

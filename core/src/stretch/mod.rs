@@ -77,7 +77,7 @@ impl Stretches {
             moving: winch.then_some(true),
             open: None,
             resumed: 0,
-            handed_out: (SampleTime::ZERO, SampleTime::ZERO),
+            handed_out: Default::default(),
             ready: [None; 3],
         }
     }
