@@ -49,8 +49,12 @@ impl TimeUnit {
             "s" | "sec" | "secs" | "с" | "сек" | "second" | "seconds" | "sekunde" | "sekunden" => {
                 Some(Self::Second)
             }
-            "ms" | "msec" | "мс" | "millisecond" | "milliseconds" => Some(Self::Millisecond),
-            "us" | "µs" | "μs" | "microsecond" | "microseconds" => Some(Self::Microsecond),
+            "ms" | "msec" | "мс" | "millis" | "millisecond" | "milliseconds" => {
+                Some(Self::Millisecond)
+            }
+            "us" | "µs" | "μs" | "micros" | "microsecond" | "microseconds" => {
+                Some(Self::Microsecond)
+            }
             "ns" | "nsec" | "nanosecond" | "nanoseconds" => Some(Self::Nanosecond),
             "min" | "mins" | "minute" | "minutes" | "minuten" => Some(Self::Minute),
             _ => None,

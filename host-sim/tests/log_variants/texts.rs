@@ -75,6 +75,7 @@ pub fn time_forms() -> Vec<Form> {
         form("Time / s", named("Time / s", 1.0), Same),
         form("timestamp in s", named("timestamp", 1.0), Same),
         form("time_ms", table("time_ms,force_n\n", ms), Same),
+        form("millis", table("millis,force_n\n", ms), Same),
         form("elapsed_us", table("elapsed_us,force_n\n", |t, f| format!("{},{f}", t * 1e6)), Same)
             .with(|o| o.time_column = Some("elapsed_us".to_string())),
         form("Time (min)", named("Time (min)", 1.0 / 60.0), Same),
