@@ -30,7 +30,7 @@ struct Array {
 }
 
 /// Whether the values of a cell are seconds: all on the clock's steps, or all running on within
-/// their minute, as those of a finer clock do and a force does not.
+/// their minute and beginning anew with the next, as those of a finer clock do and a force does not.
 #[derive(Clone, Copy, Debug)]
 struct Seconds {
     on_steps: bool,
@@ -51,9 +51,12 @@ impl Seconds {
             return;
         };
         self.on_steps &= (seconds / RESOLUTION_S).fract().abs() < f64::EPSILON;
-        if minute.total_cmp(&self.last.0).is_eq() {
-            self.run_on &= seconds >= self.last.1;
-            self.rises += usize::from(seconds > self.last.1);
+        let (later_s, last) = (minute - self.last.0, self.last.1);
+        if later_s.abs() < 1.0 {
+            self.run_on &= seconds >= last;
+            self.rises += usize::from(seconds > last);
+        } else if later_s < 61.0 {
+            self.run_on &= seconds < last;
         }
         self.last = (minute, seconds);
     }

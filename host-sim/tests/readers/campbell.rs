@@ -116,6 +116,16 @@ fn seconds_in_tenths_and_hundredths_are_no_forces() {
     }
 }
 
+/// A force that rises and never falls, through three minutes.
+#[test]
+fn a_force_that_runs_on_through_the_minutes_is_no_time() {
+    let row =
+        |i: u32| format!("101,12,74,{},{},12.5\n", 1200 + i / 960, 5.0 + f64::from(i) * 0.013);
+    let (log, samples) = read(&(0..2800).map(row).collect::<String>());
+    assert_eq!(log.rate_hz(), 16.0);
+    assert_eq!(samples[100].raw.reading, Reading::Force(Newtons(6.3)));
+}
+
 /// Minutes of 960 samples, of 6000, and a part of the last one.
 #[test]
 fn a_sample_lost_from_a_long_stamp_is_one_sample() {
