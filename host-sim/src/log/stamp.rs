@@ -114,9 +114,10 @@ pub fn no_rate(rate_hz: f64) -> InputError {
     let in_hours = hours.map_or_else(String::new, |rate_hz| {
         format!(", in hours {rate_hz:.3}: turn these into seconds")
     });
+    let thin = if rate_hz > 1.0 { " then thin the log," } else { "" };
     InputError::new(format!(
-        "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds? else \
-         give {unit}{in_hours}"
+        "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds?{thin} \
+         else give {unit}{in_hours}"
     ))
 }
 
