@@ -129,6 +129,8 @@ fn a_spreadsheets_table_and_list_are_read() {
         assert_eq!((&record["weight_n"], &record["kind"]), (&630.0.into(), &"sliding".into()));
         assert_eq!(record["winch_m_per_s"], 0.0157);
     }
+    fs::write(folder.join("tests.csv"), b"file;weight_n;test_id\nx.csv;630;Gef\xe4lle\n").unwrap();
+    assert_eq!(json(&folder, &["."]).0["records"][0]["test_id"], "Gef\u{e4}lle");
     fs::remove_file(folder.join("tests.csv")).unwrap();
     fs::write(folder.join("said.csv"), LOG).unwrap();
     for bytes in ["\u{feff}said.csv\n".as_bytes().to_vec(), utf16("said.csv\r\n")] {

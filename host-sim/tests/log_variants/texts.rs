@@ -19,6 +19,17 @@ pub fn text_forms() -> Vec<Form> {
             plain.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
             Refused(&["UTF-16", "UTF-8"]),
         ),
+        form(
+            "Zeit [µs]; Prüfkraft [N] in Latin-1",
+            table("Zeit [µs];T [°C];Prüfkraft [N];Weg [N]\n", |t, f| {
+                format!("{};-2;{f};1", t * 1e6)
+            })
+            .chars()
+            .map(|letter| letter as u8)
+            .collect::<Vec<u8>>(),
+            Same,
+        )
+        .with(|options| options.column = Some("Prüfkraft [N]".to_string())),
         form("tabs", plain.replace(',', "\t"), Same),
         form("bars", plain.replace(',', "|"), Same),
         form("blanks", plain.replace(',', "   "), Same),
