@@ -98,8 +98,9 @@ pub struct Together {
 
 /// Combines pulls, each with the length of its cable, m; `None` for fewer than two.
 ///
-/// The weights come from the uncertainties of the lines; the uncertainty of the winch's speed is
-/// common to all pulls and is not reduced by their number.
+/// The weights come from the uncertainties of the lines. Where the pulls scatter by more than these,
+/// all deviations are larger by the ratio. The uncertainty of the winch's speed is common to all pulls
+/// and is not reduced by their number.
 #[must_use]
 pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
     let [(_, first_m), _, ..] = pulls else { return None };
@@ -109,8 +110,17 @@ pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
     let weight = sum(|_| 1.0);
     let (length_m, compliance) = (sum(|p| p.0) / weight, sum(|p| p.1) / weight);
     let common = pulls.iter().map(|(pull, _)| pull.winch_relative()).fold(0.0, f64::max);
+    let spread: f64 = points.iter().map(|p| p.2 * (p.0 - length_m).powi(2)).sum();
+    let slope = match same {
+        true => 0.0,
+        false => points.iter().map(|p| p.2 * (p.0 - length_m) * p.1).sum::<f64>() / spread,
+    };
+    let off = |p: &(f64, f64, f64)| p.1 - compliance - slope * (p.0 - length_m);
+    let squares: f64 = points.iter().map(|p| p.2 * off(p).powi(2)).sum();
+    let free = points.len() - if same { 1 } else { 2 };
+    let wider = (squares / free.max(1) as f64).sqrt().max(1.0);
     let inverse = |value: f64, std: f64| {
-        let relative = (std / value).hypot(common);
+        let relative = (wider * std / value).hypot(common);
         Measured { value: 1.0 / value, std_error: relative / value.abs() }
     };
     let none = Together { pulls: pulls.len(), ..Together::default() };
@@ -118,11 +128,9 @@ pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
         let mean = inverse(compliance, weight.powf(-0.5));
         return Some(Together { stiffness_n_per_m: Some(mean), ..none });
     }
-    let spread: f64 = points.iter().map(|p| p.2 * (p.0 - length_m).powi(2)).sum();
-    let slope = points.iter().map(|p| p.2 * (p.0 - length_m) * p.1).sum::<f64>() / spread;
     let end = compliance - slope * length_m;
     let end_std = (1.0 / weight + length_m.powi(2) / spread).sqrt();
-    let told = |value: f64, std: f64| (value > SURE * std).then(|| inverse(value, std));
+    let told = |value: f64, std: f64| (value > SURE * wider * std).then(|| inverse(value, std));
     Some(Together {
         ae_n: told(slope, spread.powf(-0.5)),
         end_stiffness_n_per_m: told(end, end_std),
@@ -245,6 +253,20 @@ mod tests {
         assert!(near(found.stiffness_n_per_m, k), "{found:?} {k}");
         assert_eq!((found.ae_n, found.end_stiffness_n_per_m), (None, None));
         assert_eq!(together(&pulls[..1]), None);
+    }
+
+    /// Pulls of one length that differ by more than their lines say: the mean says so too.
+    #[test]
+    fn pulls_that_differ_widen_the_mean() {
+        let of = |value: f64| {
+            let measured = |scale: f64| Measured { value: scale * value, std_error: 20.0 * scale };
+            let (stiffness_n_per_m, loading_rate_n_per_s) = (measured(1.0), measured(0.0157));
+            (Stiffness { stiffness_n_per_m, loading_rate_n_per_s, ..pull(1).unwrap() }, 15.0)
+        };
+        let mean = |k: f64| together(&[of(23_000.0), of(k)]).unwrap().stiffness_n_per_m.unwrap();
+        assert!((mean(23_010.0).std_error / 14.1 - 1.0).abs() < 0.01);
+        let far = mean(22_000.0).std_error;
+        assert!((450.0..550.0).contains(&far), "{far}");
     }
 
     /// Lengths so close that the change of `k` is lost in its scatter.

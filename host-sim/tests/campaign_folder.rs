@@ -101,11 +101,14 @@ fn what_cannot_be_read_is_named() {
     fs::write(folder.join("x.csv"), LOG).unwrap();
     std::os::unix::fs::symlink("nowhere.csv", folder.join("gone.csv")).unwrap();
     fs::create_dir_all(folder.join("older/still")).unwrap();
+    fs::write(folder.join("y.csv.gz"), [0x1f, 0x8b, 8, 0]).unwrap();
+    fs::write(folder.join("z.tsv"), LOG).unwrap();
     let output = campaign(&folder, &["."]);
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("left out: ./gone.csv: no such file"), "{said}");
     assert!(said.contains(".: 1 folder in it not looked into"), "{said}");
+    assert!(said.contains("note: 2 other files not read, such as ./y.csv.gz: the names"), "{said}");
     assert_refused(&campaign(&folder, &[".", "--strict"]), &["gone.csv: no such file"]);
     std::os::unix::fs::symlink("nowhere.csv", folder.join("tests.csv")).unwrap();
     assert_refused(&campaign(&folder, &["."]), &["tests.csv: no such file"]);
@@ -126,6 +129,8 @@ fn a_spreadsheets_table_and_list_are_read() {
         assert_eq!((&record["weight_n"], &record["kind"]), (&630.0.into(), &"sliding".into()));
         assert_eq!(record["winch_m_per_s"], 0.0157);
     }
+    fs::write(folder.join("tests.csv"), b"file;weight_n;test_id\nx.csv;630;Gef\xe4lle\n").unwrap();
+    assert_eq!(json(&folder, &["."]).0["records"][0]["test_id"], "Gef\u{e4}lle");
     fs::remove_file(folder.join("tests.csv")).unwrap();
     fs::write(folder.join("said.csv"), LOG).unwrap();
     for bytes in ["\u{feff}said.csv\n".as_bytes().to_vec(), utf16("said.csv\r\n")] {

@@ -82,12 +82,13 @@ fn in_directory(folder: &Path) -> Result<Logs, InputError> {
 /// The logs of a directory by name, including those that cannot be opened, which are reported
 /// later; and the files not read, one sentence each.
 fn content(folder: &Path) -> Result<(Vec<PathBuf>, Vec<String>), InputError> {
-    let (mut logs, mut notes, mut folders) = (Vec::new(), Vec::new(), 0_u64);
+    let (mut logs, mut notes) = (Vec::new(), Vec::new());
+    let (mut folders, mut others) = (0_u64, Vec::new());
     for entry in fs::read_dir(folder).map_err(|error| InputError::unreadable(&error))? {
         let path = entry.map_err(|error| InputError::unreadable(&error))?.path();
         match path.metadata() {
             Ok(there) if there.is_dir() => folders += 1,
-            _ if !has_name_of_log(&path) => {}
+            _ if !has_name_of_log(&path) => others.push(path),
             Ok(there) if !there.is_file() => {
                 notes.push(format!("{} is no file and was not read", path.display()));
             }
@@ -100,6 +101,13 @@ fn content(folder: &Path) -> Result<(Vec<PathBuf>, Vec<String>), InputError> {
         let (folder, folders) = (folder.display(), counted(folders, "folder"));
         notes.push(format!(
             "{folder}: {folders} in it not looked into: a campaign takes one folder"
+        ));
+    }
+    if let Some(first) = others.iter().min() {
+        let others = counted(others.len() as u64, "other file");
+        notes.push(format!(
+            "{others} not read, such as {}: the names of logs end in .csv, .dat, .txt or .log",
+            first.display()
         ));
     }
     Ok((logs, notes))

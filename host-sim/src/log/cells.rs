@@ -1,5 +1,7 @@
 //! Splits a line into cells.
 
+use std::borrow::Cow;
+
 use memchr::memchr2_iter;
 
 /// Bounds of the cells of one line, reused from line to line.
@@ -14,6 +16,12 @@ pub struct Cells {
 /// A cell as text; empty if it is not valid text.
 pub fn text(cell: &[u8]) -> &str {
     std::str::from_utf8(cell).unwrap_or_default()
+}
+
+/// Text in UTF-8, or else in Latin-1, as older programs write their umlauts and degree signs.
+pub fn words(bytes: &[u8]) -> Cow<'_, str> {
+    let latin = || bytes.iter().map(|&byte| char::from(byte)).collect::<String>();
+    std::str::from_utf8(bytes).map_or_else(|_| Cow::from(latin()), Cow::from)
 }
 
 impl Cells {
@@ -88,7 +96,7 @@ impl Cells {
     #[must_use]
     pub fn text(&self, line: &[u8], index: usize) -> String {
         let cell = self.get(line, index).unwrap_or_default();
-        String::from_utf8_lossy(cell).replace("\"\"", "\"")
+        words(cell).replace("\"\"", "\"")
     }
 }
 

@@ -134,10 +134,12 @@ impl Clock {
         [misfits, uneven, far].into_iter().flatten()
     }
 
-    /// Whether rows are dropped and missing so often that the rate or the stamps must be wrong.
+    /// Whether rows are dropped and missing so often that the rate or the stamps must be wrong. Where
+    /// fine stamps fit, rows are repeated and lost.
     fn is_uneven(&self) -> bool {
         const FEW: u64 = 8;
-        self.dropped.min(self.gaps) > FEW.max(self.rows / 200)
+        let unfit = if self.timing.shared.is_none() { self.misfits } else { u64::MAX };
+        self.dropped.min(self.gaps).min(unfit) > FEW.max(self.rows / 200)
     }
 
     fn fine_steps(&mut self, stamp_s: f64, records: f64) -> u64 {

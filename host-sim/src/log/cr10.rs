@@ -10,6 +10,7 @@ use crate::error::InputError;
 use super::LogOptions;
 use super::cells::Cells;
 use super::comment::comment;
+use super::header::IN_A_ROW;
 use super::layout::{Layout, TimeCells, cr10_time};
 use super::number::{Decimal, Unit, finite};
 
@@ -23,9 +24,46 @@ struct Array {
     /// Number of cells in the first row.
     width: usize,
     /// Whether cell 4 contains seconds in every row.
-    seconds: bool,
+    seconds: Seconds,
     /// Number of rows.
     rows: usize,
+}
+
+/// Whether the values of a cell are seconds: all on the clock's steps, or all running on within
+/// their minute and beginning anew with the next, as those of a finer clock do and a force does not.
+#[derive(Clone, Copy, Debug)]
+struct Seconds {
+    on_steps: bool,
+    run_on: bool,
+    /// Number of times they went up within a minute.
+    rises: usize,
+    /// Minute and seconds of the last row.
+    last: (f64, f64),
+}
+
+impl Seconds {
+    const UNKNOWN: Self = Self { on_steps: true, run_on: true, rises: 0, last: (f64::NAN, 0.0) };
+
+    fn add(&mut self, minute: Option<f64>, cell: Option<&[u8]>) {
+        let seconds = cell.and_then(finite).filter(|value| (0.0..60.0).contains(value));
+        let (Some(minute), Some(seconds)) = (minute, seconds) else {
+            *self = Self { on_steps: false, run_on: false, ..*self };
+            return;
+        };
+        self.on_steps &= (seconds / RESOLUTION_S).fract().abs() < f64::EPSILON;
+        let (later_s, last) = (minute - self.last.0, self.last.1);
+        if later_s.abs() < 1.0 {
+            self.run_on &= seconds >= last;
+            self.rises += usize::from(seconds > last);
+        } else if later_s < 61.0 {
+            self.run_on &= seconds < last;
+        }
+        self.last = (minute, seconds);
+    }
+
+    fn are(&self) -> bool {
+        self.on_steps || (self.run_on && self.rises >= IN_A_ROW)
+    }
 }
 
 /// Whether a line looks like a row: numbers that begin with an array number and a time stamp.
@@ -48,15 +86,16 @@ pub fn is_row(line: &[u8]) -> bool {
 pub fn layout(head: &[u8], end: u8, options: &LogOptions) -> Result<Layout, InputError> {
     let arrays = arrays(head, end);
     let id = choose(&arrays, options.array_id)?;
-    let array = arrays.get(&id).copied().unwrap_or(Array { width: 0, seconds: false, rows: 0 });
+    let array =
+        arrays.get(&id).copied().unwrap_or(Array { width: 0, seconds: Seconds::UNKNOWN, rows: 0 });
     let force = match &options.column {
         Some(text) => column(text, array.width)?,
-        None => SECONDS + usize::from(array.seconds),
+        None => SECONDS + usize::from(array.seconds.are()),
     };
     if force >= array.width {
         return Err(InputError::new(format!("array {id} has no cell behind its time stamp")));
     }
-    let seconds = array.seconds && force != SECONDS;
+    let seconds = array.seconds.are() && force != SECONDS;
     Ok(Layout {
         separator: b',',
         decimal: Decimal::Point,
@@ -87,10 +126,11 @@ fn arrays(head: &[u8], end: u8) -> BTreeMap<u32, Array> {
             continue;
         }
         let width = cells.len();
-        let array = arrays.entry(id).or_insert(Array { width, seconds: true, rows: 0 });
+        let array = arrays.entry(id).or_insert(Array { width, seconds: Seconds::UNKNOWN, rows: 0 });
         array.rows += 1;
         if width == array.width {
-            array.seconds &= width > SECONDS + 1 && are_seconds(cells.get(line, SECONDS));
+            let cell = cells.get(line, SECONDS).filter(|_| width > SECONDS + 1);
+            array.seconds.add(cr10_time(line, &cells, false), cell);
         }
     }
     arrays
@@ -100,12 +140,6 @@ fn array_id(line: &[u8], cells: &Cells) -> Option<u32> {
     let id = finite(cells.get(line, 0)?)?;
     let valid = (1.0..=9999.0).contains(&id) && id.fract().abs() < f64::EPSILON;
     valid.then_some(id as u32)
-}
-
-fn are_seconds(cell: Option<&[u8]>) -> bool {
-    cell.and_then(finite).is_some_and(|value| {
-        (0.0..60.0).contains(&value) && (value / RESOLUTION_S).fract().abs() < f64::EPSILON
-    })
 }
 
 fn choose(arrays: &BTreeMap<u32, Array>, wanted: Option<u32>) -> Result<u32, InputError> {
@@ -121,7 +155,7 @@ fn choose(arrays: &BTreeMap<u32, Array>, wanted: Option<u32>) -> Result<u32, Inp
     }
     let only = |mut ids: Vec<u32>| if ids.len() == 1 { ids.pop() } else { None };
     // A single row may look like it by chance.
-    let timed = |array: &Array| array.seconds && array.rows > 1;
+    let timed = |array: &Array| array.seconds.are() && array.rows > 1;
     let with_seconds = arrays.iter().filter(|(_, array)| timed(array)).map(|(&id, _)| id);
     only(arrays.keys().copied().collect()).or_else(|| only(with_seconds.collect())).ok_or_else(
         || InputError::new(format!("which array is it? give --array-id ID; there are: {}", list())),

@@ -1,5 +1,5 @@
-//! Readings repeated because a display is read faster than it changes, and samples left out because
-//! they come too fast.
+//! Readings repeated because a display is read faster than it changes, rows without a reading because
+//! something else is read more often, and samples left out because they come too fast.
 
 use floe_core::Reading;
 
@@ -10,20 +10,46 @@ const LONGEST: usize = 256;
 /// Smallest number of runs for a conclusion.
 const ENOUGH: u64 = 40;
 
-/// Counts runs of equal readings, and readings without a sample of their own.
+/// Number of runs by their length in samples.
 #[derive(Clone, Debug)]
+struct Runs([u64; LONGEST]);
+
+impl Default for Runs {
+    fn default() -> Self {
+        Self([0; LONGEST])
+    }
+}
+
+impl Runs {
+    fn push(&mut self, length: usize) {
+        if let Some(runs) = self.0.get_mut(length) {
+            *runs += u64::from(length > 0);
+        }
+    }
+
+    /// The length of nearly all runs, if it is more than one sample.
+    fn usual(&self) -> Option<usize> {
+        const SHORTEST: usize = 2;
+        let all = self.0.iter().sum::<u64>();
+        let (usual, _) = self.0.iter().enumerate().max_by_key(|(_, runs)| **runs)?;
+        // With runs of two samples, one and three differ too much to be counted as equal.
+        let beside = usize::from(usual > SHORTEST);
+        let near = self.0.get(usual.saturating_sub(beside)..=usual + beside)?.iter().sum::<u64>();
+        (usual >= SHORTEST && all >= ENOUGH && near * 10 >= all * 9).then_some(usual)
+    }
+}
+
+/// Counts runs of equal readings, samples from one reading to the next, and readings without a
+/// sample of their own.
+#[derive(Clone, Debug, Default)]
 pub struct Held {
     last: Option<Reading>,
     index: Option<u32>,
     length: usize,
-    runs: [u64; LONGEST],
+    equal: Runs,
+    read: Option<u32>,
+    apart: Runs,
     left_out: u64,
-}
-
-impl Default for Held {
-    fn default() -> Self {
-        Self { last: None, index: None, length: 0, runs: [0; LONGEST], left_out: 0 }
-    }
 }
 
 impl Held {
@@ -33,27 +59,22 @@ impl Held {
             self.left_out += u64::from(self.last != Some(reading));
             return;
         }
+        if !matches!(reading, Reading::Bad(_)) {
+            let last = self.read.replace(index);
+            self.apart.push(last.map_or(0, |last| index.saturating_sub(last) as usize));
+        }
         if self.last == Some(reading) {
             self.length += 1;
             return;
         }
-        if let Some(runs) = self.runs.get_mut(self.length) {
-            *runs += u64::from(self.length > 0);
-        }
+        self.equal.push(self.length);
         (self.last, self.length) = (Some(reading), 1);
     }
 
     /// Samples between changes of the force if nearly all runs are equally long; with a coarse
     /// converter the runs become shorter the faster the force changes.
     fn samples(&self) -> Option<usize> {
-        const SHORTEST: usize = 2;
-        let all = self.runs.iter().sum::<u64>();
-        let (usual, _) = self.runs.iter().enumerate().max_by_key(|(_, runs)| **runs)?;
-        // With runs of two samples, one and three differ too much to be counted as equal.
-        let beside = usize::from(usual > SHORTEST);
-        let near =
-            self.runs.get(usual.saturating_sub(beside)..=usual + beside)?.iter().sum::<u64>();
-        (usual >= SHORTEST && all >= ENOUGH && near * 10 >= all * 9).then_some(usual)
+        self.equal.usual()
     }
 
     /// Warnings about held readings.
@@ -73,14 +94,21 @@ impl Held {
                 rate_hz / samples as f64
             )
         });
-        left_out.into_iter().chain(held)
+        let apart = self.apart.usual().map(|samples| {
+            format!(
+                "one sample in {samples} has a force: if the rows between are of another sensor, \
+                 leave them out; then there are {:.3} samples per second",
+                rate_hz / samples as f64
+            )
+        });
+        left_out.into_iter().chain(held).chain(apart)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floe_core::Newtons;
+    use floe_core::{Fault, Newtons};
 
     fn samples(forces: impl Iterator<Item = f32>) -> Option<usize> {
         let mut held = Held::default();
@@ -100,6 +128,27 @@ mod tests {
         }
         let said = held.warnings(16.0).collect::<Vec<_>>().concat();
         assert!(said.starts_with("1 row left out, with another force"), "{said}");
+    }
+
+    #[test]
+    fn rows_without_a_force_between_those_with_one_are_said() {
+        let said = |is_force: fn(u16) -> bool| {
+            let mut held = Held::default();
+            for index in 0..900 {
+                let reading = Reading::Force(Newtons(f32::from(index)));
+                let bad = Reading::Bad(Fault::Sentinel);
+                held.push(index.into(), if is_force(index) { reading } else { bad });
+            }
+            held.warnings(160.0).collect::<Vec<_>>().concat()
+        };
+        let said_10 = said(|index| index % 10 == 0);
+        assert!(said_10.starts_with("one sample in 10 has a force: if the rows"), "{said_10}");
+        assert!(said_10.ends_with("then there are 16.000 samples per second"), "{said_10}");
+        assert!(said(|index| index % 2 == 1).starts_with("one sample in 2"));
+        for is_force in [|_| true, |index| index % 2 == 0 || index % 5 == 0, |index| index % 5 > 0]
+        {
+            assert_eq!(said(is_force), "");
+        }
     }
 
     #[test]

@@ -5,7 +5,8 @@ use crate::error::InputError;
 
 use super::rows::Row;
 
-/// Number of equally spaced stamps that establish an interval; lost samples are not so regular.
+/// Number of equally spaced stamps that establish an interval; lost samples are not so regular. A
+/// change by less than [`SAME`] is noticed that late.
 const STAMPS: u32 = 40;
 /// Largest relative difference of equal intervals.
 const SAME: f64 = 0.2;
@@ -76,6 +77,9 @@ impl Intervals {
         }
         let mean_s = (row.time_s - self.now.since_s) / f64::from(STAMPS);
         let even = Even { interval_s: mean_s, ..self.now };
+        // A series that goes on is compared again: its interval may change by less than `SAME`.
+        (self.now.since_s, self.now.line) = self.last;
+        self.alike = 0;
         let first = *self.first.get_or_insert(even);
         // If the first series does not have the period, the period is a mean of it and the
         // following series.
@@ -130,6 +134,9 @@ mod tests {
             assert!(said.starts_with(changed), "{said}");
         }
         assert_eq!(said(0.0625, change(0.0625, 0.065)), None);
+        let slightly = said(0.0625, change(0.0625, 0.0545)).unwrap();
+        let late = "line 323: from here on the samples come every 0.054500 s, before";
+        assert!(slightly.starts_with(late), "{slightly}");
     }
 
     #[test]

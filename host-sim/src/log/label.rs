@@ -15,7 +15,7 @@ pub struct Label {
 }
 
 /// Names of a time.
-const TIME: [&str; 29] = [
+const TIME: [&str; 32] = [
     "time",
     "tempo",
     "tid",
@@ -27,6 +27,9 @@ const TIME: [&str; 29] = [
     "timestamp",
     "time stamp",
     "time_stamp",
+    "epoch",
+    "unix time",
+    "unix_time",
     "elapsed",
     "elapsed time",
     "elapsed_time",

@@ -3,6 +3,7 @@
 use crate::error::{InputError, excerpt};
 use crate::replay::known::{KnownMetadata, WeightFrom};
 
+use super::cells::words;
 use super::comment::comment;
 use super::meant::meant;
 use super::sense;
@@ -103,7 +104,7 @@ impl Metadata {
     /// settled.
     pub fn take(&mut self, line: &[u8], number: u64) -> Result<(), InputError> {
         let behind_mark = comment(line);
-        let text = String::from_utf8_lossy(behind_mark.unwrap_or(line));
+        let text = words(behind_mark.unwrap_or(line));
         // A spreadsheet fills a comment with empty cells.
         let text = text.trim_end_matches(|end: char| end.is_whitespace() || ",;".contains(end));
         let text = text.trim_start_matches(['#', '%', ' ', '\t']);

@@ -2,6 +2,7 @@
 
 use crate::error::InputError;
 
+use super::cells::words;
 use super::columns::said;
 use super::header::{Content, Header};
 use super::label::unit_within;
@@ -48,7 +49,7 @@ pub fn commented(said: &Said) -> Result<(Unit, Vec<String>), InputError> {
 #[must_use]
 pub fn unit_above(lines: &[Content<'_>]) -> Option<(u64, String)> {
     lines.iter().find_map(|(number, line)| {
-        let text = String::from_utf8_lossy(comment(line).unwrap_or(line));
+        let text = words(comment(line).unwrap_or(line));
         Some((*number, unit_held(&text)?.to_string()))
     })
 }

@@ -49,8 +49,12 @@ impl TimeUnit {
             "s" | "sec" | "secs" | "с" | "сек" | "second" | "seconds" | "sekunde" | "sekunden" => {
                 Some(Self::Second)
             }
-            "ms" | "msec" | "мс" | "millisecond" | "milliseconds" => Some(Self::Millisecond),
-            "us" | "µs" | "μs" | "microsecond" | "microseconds" => Some(Self::Microsecond),
+            "ms" | "msec" | "мс" | "millis" | "millisecond" | "milliseconds" => {
+                Some(Self::Millisecond)
+            }
+            "us" | "µs" | "μs" | "micros" | "microsecond" | "microseconds" => {
+                Some(Self::Microsecond)
+            }
             "ns" | "nsec" | "nanosecond" | "nanoseconds" => Some(Self::Nanosecond),
             "min" | "mins" | "minute" | "minutes" | "minuten" => Some(Self::Minute),
             _ => None,
@@ -110,9 +114,10 @@ pub fn no_rate(rate_hz: f64) -> InputError {
     let in_hours = hours.map_or_else(String::new, |rate_hz| {
         format!(", in hours {rate_hz:.3}: turn these into seconds")
     });
+    let thin = if rate_hz > 1.0 { " then thin the log," } else { "" };
     InputError::new(format!(
-        "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds? else \
-         give {unit}{in_hours}"
+        "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds?{thin} \
+         else give {unit}{in_hours}"
     ))
 }
 

@@ -25,7 +25,7 @@ const NARROWEST: f64 = 1e-6;
 const MOST_DECIMALS: i32 = 9;
 
 /// An interval that holds all values, with `margin` (a fraction of its width)
-/// at both ends; never empty.
+/// at both ends; never empty. Around a single value it is as wide as a tenth of that.
 pub(super) fn extent(values: impl IntoIterator<Item = f64>, margin: f64) -> (f64, f64) {
     let wider = |(low, high): (f64, f64), x: f64| (low.min(x), high.max(x));
     let start = (f64::INFINITY, f64::NEG_INFINITY);
@@ -35,7 +35,7 @@ pub(super) fn extent(values: impl IntoIterator<Item = f64>, margin: f64) -> (f64
     }
     let size = low.abs().max(high.abs());
     let least = if size > 0.0 { NARROWEST.max(1e-6 * size) } else { 1.0 };
-    let width = (high - low).max(least);
+    let width = if high - low > least { high - low } else { least.max(0.1 * size) };
     let centre = (low + high) / 2.0;
     let half = width * (0.5 + margin);
     (centre - half, centre + half)
@@ -195,6 +195,7 @@ mod tests {
         let (low, high) = extent([5.0, f64::NAN], 0.1);
         assert!(low < 5.0 && 5.0 < high);
         assert_eq!(extent([0.0, 10.0], 0.1), (-1.0, 11.0));
+        assert_eq!(extent([0.63, 0.63], 0.0), (0.5985, 0.6615));
     }
 
     #[test]

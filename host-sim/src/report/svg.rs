@@ -70,17 +70,20 @@ impl Path {
         }
     }
 
-    /// A line through points; a point that is not finite interrupts it.
+    /// A line through points; a point that is not finite interrupts it, and one between two such is
+    /// a dot.
     pub fn line(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        let finite = |point: &(f64, f64)| point.0.is_finite() && point.1.is_finite();
         let (mut path, mut drawing) = (Self::default(), false);
-        for point in points {
-            let finite = point.0.is_finite() && point.1.is_finite();
-            match (finite, drawing) {
+        let mut points = points.into_iter().peekable();
+        while let Some(point) = points.next() {
+            match (finite(&point), drawing) {
                 (true, true) => path.line_to(point),
-                (true, false) => path.move_to(point),
+                (true, false) if points.peek().is_some_and(finite) => path.move_to(point),
+                (true, false) => path.dot(point),
                 (false, _) => {}
             }
-            drawing = finite;
+            drawing = finite(&point);
         }
         path
     }
@@ -163,6 +166,8 @@ mod tests {
     fn a_gap_breaks_the_line() {
         let points = [(0.0, 0.0), (1.04, 2.0), (2.0, f64::NAN), (3.0, 1.0), (4.0, -0.01)];
         assert_eq!(Path::line(points).d, "M0 0L1 2M3 1L4 0");
+        let gap = (1.0, f64::NAN);
+        assert_eq!(Path::line([(0.0, 1.0), gap, (2.0, 1.0)]).d, "M0 1h0M2 1h0");
         let mut none = Path::line([]);
         none.close();
         assert_eq!(none.element("x"), "");

@@ -255,6 +255,11 @@ pub fn stamps() -> Vec<Form> {
             Refused(&["in min they would be 960.000, in hours 16.000: turn these into seconds"]),
         ),
         form(
+            "5000 samples a second",
+            table("time_s,force_n\n", |t, f| format!("{},{f}", t * 16.0 / 5000.0)),
+            Refused(&["say 5000.000000 samples per second", "in seconds? then thin the log, else"]),
+        ),
+        form(
             "years, unsaid",
             since("time", 1.0 / 31_622_400.0, 2012.0),
             Refused(&["else give --time-unit, or turn it into seconds"]),

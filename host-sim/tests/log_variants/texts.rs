@@ -19,6 +19,17 @@ pub fn text_forms() -> Vec<Form> {
             plain.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
             Refused(&["UTF-16", "UTF-8"]),
         ),
+        form(
+            "Zeit [µs]; Prüfkraft [N] in Latin-1",
+            table("Zeit [µs];T [°C];Prüfkraft [N];Weg [N]\n", |t, f| {
+                format!("{};-2;{f};1", t * 1e6)
+            })
+            .chars()
+            .map(|letter| letter as u8)
+            .collect::<Vec<u8>>(),
+            Same,
+        )
+        .with(|options| options.column = Some("Prüfkraft [N]".to_string())),
         form("tabs", plain.replace(',', "\t"), Same),
         form("bars", plain.replace(',', "|"), Same),
         form("blanks", plain.replace(',', "   "), Same),
@@ -75,6 +86,7 @@ pub fn time_forms() -> Vec<Form> {
         form("Time / s", named("Time / s", 1.0), Same),
         form("timestamp in s", named("timestamp", 1.0), Same),
         form("time_ms", table("time_ms,force_n\n", ms), Same),
+        form("millis", table("millis,force_n\n", ms), Same),
         form("elapsed_us", table("elapsed_us,force_n\n", |t, f| format!("{},{f}", t * 1e6)), Same)
             .with(|o| o.time_column = Some("elapsed_us".to_string())),
         form("Time (min)", named("Time (min)", 1.0 / 60.0), Same),

@@ -1,7 +1,7 @@
 //! Campbell's logs: mixed arrays and TOA5.
 
 use floe::log::{Format, LogOptions};
-use floe_core::{Fault, Reading};
+use floe_core::{Fault, Newtons, Reading};
 
 use super::{consecutive, indices, open, read, samples};
 
@@ -98,6 +98,32 @@ fn cr10_without_seconds_counts_on_order() {
         assert_eq!(log.rate_hz(), 16.0);
         assert!(consecutive(&samples), "{rows}");
     }
+}
+
+/// Loggers whose clock is finer than the CR10's.
+#[test]
+fn seconds_in_tenths_and_hundredths_are_no_forces() {
+    for (rate_hz, clock) in [(10, 10), (16, 10), (16, 100), (100, 100), (1, 1)] {
+        let row = |i: u32| {
+            let (minutes, steps) = (i / rate_hz / 60, i * clock / rate_hz % (60 * clock));
+            let (second, force_n) = (f64::from(steps) / f64::from(clock), 100 + i % 7);
+            format!("101,12,74,{},{second},{force_n}\n", 1200 + minutes)
+        };
+        let (log, samples) = read(&(0..3000).map(row).collect::<String>());
+        assert_eq!(log.rate_hz(), f64::from(rate_hz), "{clock}");
+        assert!(consecutive(&samples), "{rate_hz} {clock}");
+        assert_eq!(samples[5].raw.reading, Reading::Force(Newtons(105.0)));
+    }
+}
+
+/// A force that rises and never falls, through three minutes.
+#[test]
+fn a_force_that_runs_on_through_the_minutes_is_no_time() {
+    let row =
+        |i: u32| format!("101,12,74,{},{},12.5\n", 1200 + i / 960, 5.0 + f64::from(i) * 0.013);
+    let (log, samples) = read(&(0..2800).map(row).collect::<String>());
+    assert_eq!(log.rate_hz(), 16.0);
+    assert_eq!(samples[100].raw.reading, Reading::Force(Newtons(6.3)));
 }
 
 /// Minutes of 960 samples, of 6000, and a part of the last one.

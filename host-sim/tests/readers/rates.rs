@@ -155,3 +155,21 @@ fn no_stamp_is_said_to_be_left_out_at_the_rate_of_the_last_digit() {
     let said = read(&text).0.warnings().concat();
     assert!(!said.contains("is left out, evenly"), "{said}");
 }
+
+/// Rows that are lost and rows that are repeated say nothing against the rate; stamps of which every
+/// second one is left out at random do.
+#[test]
+fn lost_and_repeated_rows_make_no_rate_doubtful() {
+    let doubts = |is_lost: fn(u32) -> bool, is_twice: fn(u32) -> bool| {
+        let row = |i: u32| {
+            format!("{},{}\n", f64::from(i) / 16.0, 100 + i % 7)
+                .repeat(1 + usize::from(is_twice(i)))
+        };
+        let rows = (0..4000).filter(|&i| !is_lost(i)).map(row);
+        let (log, _) = read(&("time_s,force_n\n".to_string() + &rows.collect::<String>()));
+        log.warnings().concat()
+    };
+    assert_eq!(doubts(|i| i % 29 == 5, |i| i % 37 == 6), "");
+    let half = doubts(|i| i.wrapping_mul(2_654_435_761) >> 31 == 0, |_| false);
+    assert!(half.contains("many samples are missing and as many are dropped"), "{half}");
+}
