@@ -156,7 +156,7 @@ impl CycleTracker {
 
     /// Does as many steps as the time of a sample allows, and at least one.
     pub(crate) fn work(&mut self, detector: &Detector, answers: &mut Answers) {
-        let time = if detector.waiting() > LATE { MOST_TIME } else { TIME };
+        let time = if detector.waiting() > 0 { MOST_TIME } else { TIME };
         let mut left = time.saturating_sub(detector.spent());
         while answers.finished.is_none() {
             let takes = self.next_takes(detector);
