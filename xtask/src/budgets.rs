@@ -131,17 +131,19 @@ fn records() -> Result<Vec<Record>> {
 }
 
 /// Records of slips that follow each other as fast as they can be fitted, and faster, so that
-/// samples wait: stiff cables whose slips last and recur these numbers of samples.
+/// samples wait: stiff cables whose slips last and recur these numbers of samples; without gaps,
+/// and with some of up to 29 samples.
 fn quick() -> Result<Vec<Record>> {
     const RECURRENCES: [f64; 7] = [2.8, 3.4, 4.2, 5.1, 6.2, 7.6, 9.0];
     const SLIPS: [f64; 4] = [0.6, 1.0, 1.5, 2.1];
     let pairs = RECURRENCES.into_iter().flat_map(|recurrence| SLIPS.map(|slip| (recurrence, slip)));
-    pairs.map(|(recurrence, slip)| quick_record(recurrence, slip)).collect()
+    let each = pairs.flat_map(|pair| [(pair, ""), (pair, ", gaps")]);
+    each.map(|(pair, gaps)| quick_record(pair, gaps)).collect()
 }
 
 /// Two minutes of such slips: a cable of this stiffness swings in twice the slip's time, and the
 /// winch stretches it by a drop within a rest.
-fn quick_record(recurrence: f64, slip: f64) -> Result<Record> {
+fn quick_record((recurrence, slip): (f64, f64), gaps: &str) -> Result<Record> {
     const GRAVITY: f64 = 9.806_65;
     let (rate_hz, weight_n, mu_s, mu) = (16.0, 630.0, 1.0, 0.7);
     let omega = std::f64::consts::PI * rate_hz / slip;
@@ -153,24 +155,26 @@ fn quick_record(recurrence: f64, slip: f64) -> Result<Record> {
          winch_m_per_s = {winch:?}\n[variation]\nmu_s_fraction = 0.01\nmu_fraction = 0.01\n\
          [measurement]\nwhite_n = 1.0\n"
     );
-    let name = format!("recurrence {recurrence}, slip {slip}");
-    of_scene(name.clone(), &text).map_err(|e| format!("{name}: {e}"))
+    let name = format!("recurrence {recurrence}, slip {slip}{gaps}");
+    let is_kept = |index: u32| gaps.is_empty() || index % 61 >= index / 61 * 7 % 30;
+    of_scene(name.clone(), &text, is_kept).map_err(|e| format!("{name}: {e}"))
 }
 
 pub(crate) fn scene_record(file: &Path) -> Result<Record> {
     let text = fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    of_scene(name, &text).map_err(|e| format!("{}: {e}", file.display()))
+    of_scene(name, &text, |_| true).map_err(|e| format!("{}: {e}", file.display()))
 }
 
-/// The record of a scene, by its text.
-fn of_scene(name: String, text: &str) -> Result<Record> {
+/// The record of a scene, by its text, with the samples whose index is kept.
+fn of_scene(name: String, text: &str, is_kept: impl Fn(u32) -> bool) -> Result<Record> {
     let scene = Scene::from_toml(text).map_err(|e| e.to_string())?;
     let samples = simulate(&scene, 2).map_err(|e| e.to_string())?.samples;
     let measurement = &scene.measurement;
     let range_n = (measurement.range_n - measurement.tare_n.abs()).max(0.0) as f32;
     let head = [scene.rate_hz as f32, scene.weight_n as f32, scene.slope_rad() as f32, range_n];
-    let samples = samples.iter().map(|sample| (sample.index, sample.force_n as f32));
+    let kept = samples.iter().filter(|sample| is_kept(sample.index));
+    let samples = kept.map(|sample| (sample.index, sample.force_n as f32));
     Ok(Record::new(name, head, samples))
 }
 

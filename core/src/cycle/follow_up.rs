@@ -1,10 +1,10 @@
 //! Steps that follow the end of a stick line. They begin when the fit of the event before is done.
 
-use crate::cycle::{CycleTracker, LATE};
 use crate::cycle::cycle_fit::CycleFit;
 use crate::cycle::ended::{By, Ended, Progress};
 use crate::cycle::refusal;
 use crate::cycle::slip_record::{GUESSED, SlipRecord};
+use crate::cycle::{CycleTracker, LATE};
 use crate::detector::{Detector, Stick};
 use crate::event::{Provisional, Reason};
 use crate::model::elongation::Elongation;
@@ -13,13 +13,13 @@ use crate::sample::{SampleTime, since};
 /// Time to gather the samples of a slip, in units of 160 instructions on the board.
 const SLIP: usize = 18;
 /// Time to refit both lines of a sagging cable, or to estimate an oscillation about a line.
-const BENT: usize = 36;
+const BENT: usize = 28;
 /// Time to guess where the fit of a slip begins, and to compare several guesses.
 const GUESS: usize = 9;
 const GUESSES: usize = 33;
 /// Time to give the event before its lines, and time for a first answer.
-const LINES: usize = 12;
-const ANSWER: usize = 12;
+const LINES: usize = 8;
+const ANSWER: usize = 9;
 
 /// Number of events from which on a stick line begins with the samples right after a slip: before
 /// the first event nothing shows whether the cable flops there. Tuned: with none the mean `mu_s` of
@@ -100,7 +100,11 @@ impl CycleTracker {
                 if may_sag {
                     next.take_late(detector.window(), stick);
                 }
-                if detector.waiting() > LATE { Progress::Answered(None) } else { Progress::Gathered }
+                if detector.waiting() > LATE {
+                    Progress::Answered(None)
+                } else {
+                    Progress::Gathered
+                }
             }
             By::Loss(_) => {
                 self.pending = None;

@@ -132,11 +132,12 @@ impl CycleTracker {
         self.end_line(detector, Ended::by_loss(detector.ended(), detector.lost()), answers);
     }
 
-    /// Takes the end of the stick line after the pending slip. If an earlier end still waits, all
-    /// its remaining steps are done at once: the buffer of samples is full, or a gap has ended a
-    /// line. An event completed by these steps is returned in `answers`.
+    /// Takes the end of the stick line after the pending slip. If an earlier end still waits, as the
+    /// window has no room for more samples, its remaining steps are done at once. An event completed
+    /// by these steps is returned in `answers`.
     fn end_line(&mut self, detector: &Detector, ended: Ended, answers: &mut Answers) {
         while self.ended.is_some() {
+            answers.spent += self.next_takes(detector);
             self.advance(detector, answers);
         }
         self.ended = Some(ended);
@@ -157,7 +158,7 @@ impl CycleTracker {
     /// Does as many steps as the time of a sample allows, and at least one.
     pub(crate) fn work(&mut self, detector: &Detector, answers: &mut Answers) {
         let time = if detector.waiting() > 0 { MOST_TIME } else { TIME };
-        let mut left = time.saturating_sub(detector.spent());
+        let mut left = time.saturating_sub(detector.spent() + answers.spent);
         while answers.finished.is_none() {
             let takes = self.next_takes(detector);
             if takes == 0 || (takes > left && left < TIME) {
@@ -187,7 +188,9 @@ impl CycleTracker {
             (Some(ended), finishing) if finishing.is_none() || !ended.waits() => {
                 self.takes(ended, detector)
             }
-            (_, Some(finishing)) => finishing.next_takes(self.learnt.knows_omega()),
+            (_, Some(finishing)) => {
+                finishing.next_takes(self.learnt.knows_omega(), detector.waiting())
+            }
             (_, None) => 0,
         }
     }
@@ -212,6 +215,8 @@ impl CycleTracker {
 pub(crate) struct Answers {
     /// A first answer on the last slip.
     pub first: Option<Provisional>,
+    /// Time of the steps, in the units of [`TIME`], that could not wait.
+    pub spent: usize,
     /// An event that is complete.
     pub finished: Option<Finished>,
 }
@@ -219,7 +224,10 @@ pub(crate) struct Answers {
 /// Time of a sample, in units of 160 instructions on the board, as the emulator counts them
 /// (`docs/firmware.md`); with the detector's share at rest, less than 12 000 instructions.
 const TIME: usize = 62;
-/// Number of waiting samples above which a sample's time is [`MOST_TIME`], and no step is done that
-/// an event's coefficients do not need: half of the window.
-const LATE: u32 = 160;
+/// Time of a sample while others wait: the detector looks at several of them then, and seldom has
+/// more to do.
 const MOST_TIME: usize = 69;
+/// Number of waiting samples above which no step is done that an event's coefficients do not need.
+/// Tuned: with fewer, first events are less certain whose samples waited for the noise to be known;
+/// with more, the window fills before the others are worked off.
+const LATE: u32 = 160;

@@ -3,7 +3,7 @@
 //! wait in the window while slips recur faster than they can be fitted.
 
 use crate::detector::onset::FARTHEST;
-use crate::detector::{Detector, Transition};
+use crate::detector::{Detector, LONGEST_GAP, Transition};
 use crate::num::math::larger;
 use crate::sample::{ForcePoint, Phase, periods_between};
 use crate::signal::window::WINDOW;
@@ -16,10 +16,23 @@ pub(super) const CATCH_UP: u32 = 3;
 /// (3.5), with .7 one of `tightened_held` 3.9 (2.8).
 const LESS_NOISE: f32 = 0.4;
 
-/// Limit of the number of waiting samples: the rest of the window holds what a slip looks back to.
-pub(crate) const MOST_PUT_OFF: u32 = WINDOW as u32 * 3 / 4;
+/// Limit of the number of waiting samples: the rest of the window holds what a slip looks back to,
+/// which is little where slips follow each other so fast.
+const MOST_PUT_OFF: u32 = WINDOW as u32 - 16;
 
 impl Detector {
+    /// May the next sample to be examined, by default this one, end a stick line: in a slip, or
+    /// after a gap?
+    #[inline(always)]
+    pub(super) fn may_end_line(&self, index: u32) -> bool {
+        let index = if self.is_behind { self.window.first_from(self.next) } else { index };
+        match self.phase {
+            Phase::Unknown => false,
+            Phase::Stick => index - self.last.index > LONGEST_GAP,
+            Phase::Slip => true,
+        }
+    }
+
     /// Leaves a sample for later; `false` if there is no room.
     #[cold]
     #[inline(never)]
@@ -31,16 +44,19 @@ impl Detector {
         self.put_off < MOST_PUT_OFF
     }
 
-    /// Examines waiting samples, at most `most` of them, up to the first transition. At the end of
-    /// a test the caller repeats this until it returns `None`.
-    pub(crate) fn catch_up(&mut self, most: u32) -> Option<Transition> {
-        for _ in 0..most {
-            if self.is_up_to_date() {
+    /// Examines waiting samples, at most `most` of them, up to the first transition. Where the
+    /// cycles are full it ends before the next one that may end a line. At the end of a test the
+    /// caller repeats this until it returns `None`.
+    pub(crate) fn catch_up(&mut self, most: u32, is_full: bool) -> Option<Transition> {
+        for examined in 0..most {
+            let waits = is_full && examined > 0 && self.may_end_line(self.next);
+            if self.is_up_to_date() || waits {
                 return None;
             }
             let index = self.window.first_from(self.next);
             self.next = index + 1;
-            self.is_behind = self.next < self.window.end();
+            let left = self.window.end() - self.next;
+            (self.is_behind, self.put_off) = (left > 0, self.put_off.min(left));
             if let Some(force_n) = self.window.get(index) {
                 let transition = self.look(ForcePoint { index, force_n });
                 if transition.is_some() {
@@ -57,10 +73,10 @@ impl Detector {
         !self.is_behind
     }
 
-    /// Number of waiting samples, as counted when one was last put off; zero if up to date.
+    /// Number of waiting samples; zero while those that are examined again wait for nothing else.
     #[must_use]
     pub(crate) fn waiting(&self) -> u32 {
-        if self.is_behind { self.put_off } else { 0 }
+        self.put_off
     }
 
     /// Called while no slip has been seen: once the noise estimate falls far below the largest one

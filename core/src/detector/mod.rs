@@ -37,7 +37,6 @@ mod restick;
 mod slack_wait;
 mod stick_line;
 
-pub(crate) use crate::detector::catch_up::MOST_PUT_OFF;
 pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
@@ -163,9 +162,10 @@ impl Detector {
         new
     }
 
-    /// Takes a good sample with an index past all earlier ones. With `waits`, as the cycles have no
-    /// room for another slip, it is examined later, as far as the window has room for that.
-    pub fn step(&mut self, index: u32, force_n: f32, waits: bool) -> Option<Transition> {
+    /// Takes a good sample with an index past all earlier ones. Where the cycles are full, so that
+    /// they have no room for the end of another line, one that may end it is examined later, as far
+    /// as the window has room for that.
+    pub fn step(&mut self, index: u32, force_n: f32, is_full: bool) -> Option<Transition> {
         self.spent = 0;
         let in_a_row = self.window.push(index, force_n);
         self.noise.add_sample(force_n, in_a_row && !self.lies_at_zero());
@@ -177,11 +177,11 @@ impl Detector {
             self.std_n = std_n;
             self.judge_again();
         }
-        if waits && self.put_off(index) {
+        if is_full && self.may_end_line(index) && self.put_off(index) {
             return None;
         }
         if self.is_behind {
-            return self.catch_up(CATCH_UP);
+            return self.catch_up(CATCH_UP, is_full);
         }
         self.look(ForcePoint { index, force_n })
     }

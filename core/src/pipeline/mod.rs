@@ -213,8 +213,7 @@ impl Pipeline {
         if self.stretches.take(sample) {
             self.detector.stays_below(self.stretches.ceiling_n());
         }
-        let waits = self.detector.phase() == Phase::Slip && self.cycles.is_full();
-        self.detector.step(sample.index, sample.force_n, waits)
+        self.detector.step(sample.index, sample.force_n, self.cycles.is_full())
     }
 
     /// Passes the detector's transition to the cycles; their first answer and their event go into
@@ -277,7 +276,7 @@ impl Pipeline {
             self.block(block, &mut step);
         }
         while step.event.is_none()
-            && let Some(transition) = self.detector.catch_up(u32::MAX)
+            && let Some(transition) = self.detector.catch_up(u32::MAX, false)
         {
             self.follow(Some(transition), &mut step);
         }

@@ -13,12 +13,12 @@ mod after_fit;
 
 use core::ops::ControlFlow;
 
-use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
 use crate::cycle::LATE;
+use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::refusal;
 use crate::cycle::slip_record::{GUESSED, SHORTEST_FALL, SlipRecord};
-use crate::detector::{MOST_PUT_OFF, Stick};
+use crate::detector::Stick;
 use crate::effects::mass_change::Verdict;
 use crate::effects::score::Asked;
 use crate::event::Reason;
@@ -32,9 +32,9 @@ use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
 
-/// Number of waiting samples above which an event is not fitted any more: the remaining steps still
-/// have time.
-const TOO_LATE: u32 = MOST_PUT_OFF - 8;
+/// Number of waiting samples above which an event is not fitted any more: a fit that was begun
+/// before still has the time of 32 samples.
+const TOO_LATE: u32 = LATE + 48;
 
 /// An event being fitted.
 // In this order: the record is copied straight into its place, as words.
@@ -151,7 +151,8 @@ impl CycleFit {
 
     /// One step: an iteration of the fit, or one that follows it. `waiting` is the number of
     /// samples that wait for it; when they are [`LATE`], the coefficients are computed and nothing
-    /// else, and when they are [`TOO_LATE`], slips recur faster than they can be fitted. Breaks after the last one, with the reason why the event has no
+    /// else, from one guess; when they are [`TOO_LATE`], slips recur faster than they can be
+    /// fitted. Breaks after the last one, with the reason why the event has no
     /// coefficients, if there is one.
     #[inline(never)]
     pub(crate) fn step(
@@ -162,9 +163,9 @@ impl CycleFit {
         let late = waiting > LATE;
         match &self.stage {
             FitStage::New | FitStage::Free(_) | FitStage::Expected(_) if waiting > TOO_LATE => {
-                self.stage = FitStage::Failed(Reason::Aliased);
+                self.stage = FitStage::Failed(Reason::TooShort);
             }
-            FitStage::New => self.start(learnt),
+            FitStage::New => self.start(learnt, late),
             FitStage::Free(_) => self.free(learnt),
             FitStage::Expected(_) => self.expected(learnt),
             FitStage::Converged => {
@@ -188,16 +189,18 @@ impl CycleFit {
 
     /// Time that the next step takes, in units of 160 instructions on the board. Without the swing
     /// from earlier events several guesses may have to be compared.
-    pub(crate) fn next_takes(&self, knows_omega: bool) -> usize {
+    pub(crate) fn next_takes(&self, knows_omega: bool, waiting: u32) -> usize {
         let samples = self.slip.samples().forces_n.len();
         match &self.stage {
+            FitStage::New if waiting > TOO_LATE => 1,
+            FitStage::Places(_) if waiting > LATE => 3,
             FitStage::New if self.slip.begins_again(&self.after) => 12,
-            FitStage::New if knows_omega => 18,
+            FitStage::New if knows_omega || waiting > LATE => 18,
             FitStage::New => 40 + samples.min(GUESSED) * 5 / 2,
             FitStage::Free(_) => 34 + self.slip.pass(&self.priors),
             FitStage::Expected(_) => 4 + self.slip.pass(&self.priors),
             FitStage::Places(_) => 10 + self.slip.pass(&self.priors),
-            FitStage::Converged => 40,
+            FitStage::Converged => 34,
             FitStage::Fitted => 27 + 5 * (self.slip.fall() as usize).min(8),
             // More with an oscillation about the lines, whose source is then estimated, or with a
             // cable that sags, whose elongation is converted back.
@@ -212,11 +215,12 @@ impl CycleFit {
             FitStage::Asked(Terms::Corner, .., next) => {
                 24 + 3 * (samples + 2 - next).min(LEVELS_A_STEP)
             }
-            FitStage::Done | FitStage::Failed(_) => 46,
+            FitStage::Done => 46,
+            FitStage::Failed(_) => 20,
         }
     }
 
-    fn start(&mut self, learnt: &mut Expectations) {
+    fn start(&mut self, learnt: &mut Expectations, late: bool) {
         if let Some(reason) = self.slip.refused {
             self.stage = FitStage::Failed(reason);
             return;
@@ -224,7 +228,7 @@ impl CycleFit {
         learnt.weigh(&self.slip);
         let known = learnt.residuals.variance_n2().is_some();
         let noise_n2 = learnt.fitted_noise_n2(&self.slip);
-        let fitting = self.begin(learnt, noise_n2);
+        let fitting = self.begin(learnt, noise_n2, learnt.knows_omega() || late);
         self.stage = if known { FitStage::Expected(fitting) } else { FitStage::Free(fitting) };
     }
 
@@ -246,14 +250,14 @@ impl CycleFit {
         }
         self.slip.begin_from(fit.as_ref());
         let noise_n2 = learnt.noise_n2(&self.slip);
-        self.stage = FitStage::Expected(self.begin(learnt, noise_n2));
+        self.stage = FitStage::Expected(self.begin(learnt, noise_n2, learnt.knows_omega()));
     }
 
-    fn begin(&mut self, learnt: &Expectations, noise_n2: f32) -> Fitting {
+    fn begin(&mut self, learnt: &Expectations, noise_n2: f32, once: bool) -> Fitting {
         self.priors = learnt.of(&self.slip, &self.after, noise_n2);
         self.slip.begin_again(&self.after).unwrap_or_else(|| {
             let data = self.slip.data(&self.priors, &self.after);
-            self.slip.guess(&data, learnt.knows_omega())
+            self.slip.guess(&data, once)
         })
     }
 
