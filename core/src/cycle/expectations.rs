@@ -65,7 +65,6 @@ impl Expectations {
 
     /// Variance of the white noise, N²: from the fits so far, else the detector's; at least the
     /// variance of rounding in single precision.
-    #[inline(never)]
     pub(crate) fn noise_n2(&self, slip: &SlipRecord) -> f32 {
         let noise_n2 = self.residuals.variance_n2().unwrap_or(slip.noise_n2);
         larger(slip.white_share() * noise_n2, rounding_n2(slip.peak.force_n))

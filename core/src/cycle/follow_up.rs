@@ -70,7 +70,6 @@ impl CycleTracker {
     /// Takes up the end of a stick line: the pending event becomes the one to be fitted, and the
     /// slip that ended the line becomes the pending one. The event gets its lines later, when the
     /// first answer on that slip gives the onset.
-    #[inline(never)]
     fn take_up(&mut self, detector: &Detector) {
         let Some(ended) = &self.ended else { return };
         let Ended { stick, by, .. } = ended;
@@ -146,7 +145,6 @@ impl CycleTracker {
 
     /// Gives the event before its lines, up to the next onset of the first answer, and returns that
     /// answer. This is the last step for the end of a line.
-    #[inline(never)]
     fn give_lines(&mut self, detector: &Detector) -> Option<Provisional> {
         let ended = self.ended.as_ref()?;
         let Progress::Answered(first) = &ended.progress else { return None };

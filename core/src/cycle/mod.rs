@@ -170,7 +170,6 @@ impl CycleTracker {
     }
 
     /// Does the next step.
-    #[inline(never)]
     fn advance(&mut self, detector: &Detector, answers: &mut Answers) {
         // An ended line that has not been taken up waits until the current fit is done.
         let waits = self.ended.as_ref().is_none_or(Ended::waits);

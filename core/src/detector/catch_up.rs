@@ -35,7 +35,6 @@ impl Detector {
 
     /// Leaves a sample for later; `false` if there is no room.
     #[cold]
-    #[inline(never)]
     pub(super) fn put_off(&mut self, index: u32) -> bool {
         if !self.is_behind {
             (self.next, self.is_behind) = (index, true);

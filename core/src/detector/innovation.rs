@@ -10,14 +10,12 @@ const LINE_FITS: f32 = 2.5;
 
 impl Detector {
     /// Sample minus the line's forecast, N. `None` with fewer than four samples on the line.
-    #[inline(never)]
     pub(super) fn off_line_n(&self, now: ForcePoint) -> Option<f32> {
         self.stick.off_n(self.stick.time(now.index), now.force_n)
     }
 
     /// Standard deviation of the innovation in units of a late sample's noise, one or more;
     /// `variance` is the sample's own, as from [`Self::variance`].
-    #[inline(never)]
     pub(super) fn spread(&self, now: ForcePoint, variance: f32) -> f32 {
         self.stick.spread(self.stick.time(now.index), variance)
     }

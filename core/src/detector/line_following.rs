@@ -93,7 +93,6 @@ impl Detector {
     /// force has stopped falling, as after any slip. Before the noise is known no fall is
     /// significant; once it is known, all samples are examined again.
     #[cold]
-    #[inline(never)]
     fn begins_after_fall(&mut self, newest: u32) -> bool {
         let mut low = self.stick.origin;
         while low < newest && self.window.get(low + 1) < self.window.get(low) {
@@ -112,7 +111,6 @@ impl Detector {
     /// first slip of a block that was frozen in. It is halved, down to [`LEAST_USUAL`] standard
     /// deviations of the noise.
     #[cold]
-    #[inline(never)]
     fn forget_usual(&mut self) {
         let usual_n = self.usual_drop_n;
         self.usual_drop_n = larger(0.5 * usual_n, smaller(usual_n, LEAST_USUAL * self.std_n));
@@ -198,7 +196,6 @@ impl Detector {
 
     /// Gives the flop profile the stick that has ended, or the current one if `goes_on`, provided
     /// that its number of samples lies within `lengths`.
-    #[inline(never)]
     pub(super) fn look_for_flop(&mut self, look: Look, lengths: Range<i32>, goes_on: bool) {
         let (window, stick) = (&self.window, if goes_on { &self.stick } else { &self.ended });
         let (origin, next) = (stick.origin, stick.next);

@@ -127,8 +127,6 @@ pub struct Detector {
 impl Detector {
     /// Before the first sample, for a rate in hertz.
     #[must_use]
-    // Not inlined: built field by field by the caller it takes some hundred bytes of flash more.
-    #[inline(never)]
     pub fn new(rate_hz: f32, effects: Effects) -> Self {
         let mut new = Self {
             effects,

@@ -42,7 +42,6 @@ impl Detector {
         drop >= LEAST_DROP * std && drop > 0.0 && self.leaves_line(now, drop, std)
     }
 
-    #[inline(never)]
     fn leaves_line(&self, now: ForcePoint, drop: f32, std: f32) -> bool {
         drop >= self.least_drop(std)
             && self.stick.highest.force_n > self.ceiling_n

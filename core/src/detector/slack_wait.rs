@@ -59,7 +59,6 @@ impl SlackWait {
 
     /// Has the force stayed down? A cell that reads no force below zero cuts the noise there.
     #[cold]
-    #[inline(never)]
     pub(crate) fn is_long(self) -> bool {
         self.count >= LONG
     }

@@ -70,7 +70,6 @@ impl Asked {
 
     /// Adds a sample: its residual, the model's gradient and the terms' forces there, N, and its
     /// weight.
-    #[inline(never)]
     pub(crate) fn add(&mut self, off_n: f32, gradient: &Gradient, by_n: [f32; TERMS], weight: f32) {
         let [first, second, third] = by_n;
         self.normal.add(off_n, &[first, second, third, 0.0, 0.0, 0.0], weight);
@@ -80,7 +79,6 @@ impl Asked {
     }
 
     /// Frees the event's unknowns, once all its levels are added.
-    #[inline(never)]
     pub(crate) fn free(&mut self, alone: &Alone) {
         let Self { normal, response, left } = self;
         for i in 0..TERMS {
@@ -158,7 +156,6 @@ impl ScoreSum {
     }
 
     /// Is the amplitude significant?
-    #[inline(never)]
     pub(crate) fn is_found(&self) -> bool {
         let value = self.value();
         self.counts() && value * value > SIGNIFICANT * SIGNIFICANT * self.variance()

@@ -17,7 +17,6 @@ const MOST: f32 = 0.1;
 
 /// Relative gain of a loading rate, N per period, over a slip, from the mean rate change so far;
 /// zero where the gain is too large for a cable.
-#[inline(never)]
 fn gain(rate_change: &FadingTrend, rate: f32) -> f32 {
     let part = rate_change.prior_around_zero(1.0).mean / rate;
     // False for a rate of zero as well.

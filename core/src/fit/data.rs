@@ -51,7 +51,6 @@ impl<'a> Samples<'a> {
     }
 
     /// Number of the valid samples.
-    #[inline(never)]
     pub(crate) fn count(&self) -> usize {
         self.forces_n.iter().filter(|force_n| !force_n.is_nan()).count()
     }
@@ -84,7 +83,6 @@ pub(crate) struct Priors {
 impl Priors {
     /// The prior of each unknown, and the unknown's value.
     #[must_use]
-    #[inline(never)]
     pub(crate) fn with_values(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
         let free = Prior::default();
         [
@@ -131,7 +129,6 @@ impl Data<'_> {
     }
 
     /// The model force of a shape, with the rounding of its corners, if any.
-    #[inline(never)]
     pub(crate) fn model<'a>(&self, shape: &'a Shape) -> Model<'a> {
         let corner = &self.priors.corner;
         Model { shape, rounded: (!corner.is_sharp()).then(|| corner.at(shape)) }
@@ -154,7 +151,6 @@ impl Data<'_> {
 
     /// Weighted squared residuals of the first `most` samples about a shape with sharp corners, N²;
     /// of the lines as well where there are fewer samples.
-    #[inline(never)]
     pub(crate) fn squares_n2(&self, shape: &Shape, most: usize) -> f32 {
         let mut squares_n2 = 0.0;
         for (time, force_n, weight) in self.levels_in(0..self.places().min(most)) {

@@ -200,7 +200,6 @@ pub(super) fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
 }
 
 /// Limits the unknowns to where the formulas hold.
-#[inline(never)]
 fn limited(cycle: CycleParams) -> CycleParams {
     // The formulas need values above zero only: this is below what single precision resolves.
     const TINY: f32 = 1e-12;

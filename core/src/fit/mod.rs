@@ -144,7 +144,6 @@ impl Fit {
 
     /// How the fit changes without the prior of one unknown. `None` where hardly anything but the
     /// prior determines it.
-    #[inline(never)]
     fn without(&self, unknown: &Gradient, prior: Prior) -> Option<Without> {
         // Least part of the unknown's precision that is the event's own: less is rounding.
         const LEAST_OWN: f32 = 1e-4;

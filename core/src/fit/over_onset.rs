@@ -159,7 +159,6 @@ impl Sums {
         }
     }
 
-    #[inline(never)]
     fn posterior(&self, best: &Fit, noise_n2: f32) -> Posterior {
         if self.weight <= 0.0 {
             return Posterior::at(best, noise_n2);

@@ -56,7 +56,6 @@ impl Posterior {
     /// swing without the prior. In a slip of less than two periods one sample leaves an error of
     /// the swing that is not normal and does not average out over such events.
     #[must_use]
-    #[inline(never)]
     pub(crate) fn determines_swing(&self, variance: f32) -> bool {
         // Relative standard deviation of a well-known swing.
         const WELL: f32 = 0.08;
@@ -65,7 +64,6 @@ impl Posterior {
     }
 
     /// Applies a correction found after the fit.
-    #[inline(never)]
     pub(crate) fn apply(&mut self, correction: &Correction) {
         let Correction {
             moved: [onset, rate, static_n, half_drop_n, inverse_omega, rate_change],
@@ -96,7 +94,6 @@ impl Posterior {
 
     /// The posterior at the best fit, for a noise of this variance, N².
     #[must_use]
-    #[inline(never)]
     pub(crate) fn at(fit: &Fit, noise_n2: f32) -> Self {
         let variances = fit.variances.map(|variance| noise_n2 * variance);
         let (fall_time, common_n2) = (fit.shape.fall_time(), (0.0, 0.0));

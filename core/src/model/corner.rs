@@ -76,7 +76,6 @@ pub struct Rounded<'a> {
 impl Rounded<'_> {
     /// Shift of the force at a time since the onset, periods.
     #[must_use]
-    #[inline(never)]
     pub fn shift(&self, since_onset: f32) -> Shift {
         if since_onset <= -self.half {
             return self.creep(since_onset);

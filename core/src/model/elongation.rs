@@ -43,7 +43,6 @@ impl Elongation {
 
     /// The force, N, with this elongation: Newton's method, from below.
     #[must_use]
-    #[inline(never)]
     pub(crate) fn force_n(&self, elongation_n: f32) -> f32 {
         // One more than the test of this file needs: with two, its 150 N come out .6 N too low.
         const STEPS: u8 = 4;

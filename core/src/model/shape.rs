@@ -103,7 +103,6 @@ impl Shape {
 
     /// Force at a time (4, 7), N, and its gradient.
     #[must_use]
-    #[inline(never)]
     pub fn force(&self, time: f32) -> (f32, Gradient) {
         let since_onset = time - self.cycle.onset;
         if since_onset <= 0.0 {

@@ -70,7 +70,6 @@ impl FlopProfile {
         if self.is_flat() { 1.0 } else { self.early_variance(age) }
     }
 
-    #[inline(never)]
     fn early_variance(&self, age: f32) -> f32 {
         1.0 + self.excess * math::exp(-self.decay * age)
     }

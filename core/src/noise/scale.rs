@@ -128,7 +128,6 @@ impl Noise {
 
     /// Takes a step between samples that is smaller than the resolution so far, or zero.
     #[cold]
-    #[inline(never)]
     fn resolve(&mut self, step_n: f32) {
         if step_n > 0.0 {
             (self.resolution_n, self.hidden_n) = (step_n, OF_STEP * step_n);
@@ -138,7 +137,6 @@ impl Noise {
     }
 
     /// Takes the newest samples' differences; those before the first and across a gap are NaN.
-    #[inline(never)]
     fn difference(&mut self, e: f32, in_a_row: bool) {
         let ([a, b, c], d) = (self.row, if in_a_row { self.newest_n } else { f32::NAN });
         self.row = [b, c, d];
@@ -173,7 +171,6 @@ impl Noise {
     }
 
     /// Standard deviation of the samples' noise, N, before the fits are trusted.
-    #[inline(never)]
     fn early_std_n(&self, line_n: f32, floor_n: f32) -> f32 {
         let (upper_n, fitted_n) = match self.fits {
             0 => (self.upper.over(QUARTILE), f32::INFINITY),

@@ -54,7 +54,6 @@ fn unusual_root(x: f32) -> f32 {
 /// Root of a subnormal number, by way of a normal one.
 #[cfg(any(test, target_arch = "arm"))]
 #[cold]
-#[inline(never)]
 fn small_root(x: f32) -> f32 {
     const SCALE: f32 = 4096.0;
     sqrt(x * (SCALE * SCALE)) / SCALE

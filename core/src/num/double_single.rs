@@ -114,7 +114,6 @@ fn halves(number: f32) -> (f32, f32) {
 impl Mul for DoubleSingle {
     type Output = Self;
 
-    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let product = self.high * other.high;
         let ((a, b), (c, d)) = (halves(self.high), halves(other.high));
@@ -126,7 +125,6 @@ impl Mul for DoubleSingle {
 impl Div for DoubleSingle {
     type Output = Self;
 
-    #[inline(never)]
     fn div(self, other: Self) -> Self {
         let first = self.high / other.high;
         let rest = self - other * Self::from(first);

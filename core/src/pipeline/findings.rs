@@ -47,7 +47,6 @@ impl Pipeline {
     }
 
     /// The effects that the data show, among those that were looked for.
-    #[inline(never)]
     fn found(&self) -> Effects {
         let of_level = self.change.is_some_and(|change| change.cause != Cause::Mass);
         let (of_rests, of_events) = (self.detector.found(), self.cycles.found());

@@ -162,7 +162,6 @@ impl Pipeline {
     }
 
     /// Takes a received sample through all stages. `step` is filled in place, since it is large.
-    #[inline(never)]
     fn take(&mut self, step: &mut Step) {
         if let Some(force_n) = step.sample.force_n {
             let newest = ForcePoint { index: step.sample.index, force_n };

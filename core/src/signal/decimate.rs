@@ -69,7 +69,6 @@ impl Decimator {
     }
 
     /// Ends the block under way; `None` if it holds fewer than half its samples.
-    #[inline(never)]
     pub(crate) fn finish(&mut self) -> Option<ForcePoint> {
         let block = ForcePoint { index: self.block, force_n: self.mean_n };
         let enough = self.count * 2 >= self.factor.get() && self.count > 0;

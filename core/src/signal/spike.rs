@@ -95,7 +95,6 @@ impl SpikeFilter {
 
     /// Is a sample a spike that differs by these forces, N, from its neighbours, `span` periods
     /// apart? By noise and slips a good sample may differ by `least_n`.
-    #[inline(never)]
     fn stands_out(&self, (left, right): (f32, f32), span: u32, least_n: f32) -> bool {
         if span > LONGEST_SPAN {
             return false;

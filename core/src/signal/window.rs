@@ -37,7 +37,6 @@ impl Window {
 
     /// Marks the periods that were skipped as missing.
     #[cold]
-    #[inline(never)]
     fn skip_to(&mut self, index: u32) {
         if self.end == 0 {
             self.first = index;

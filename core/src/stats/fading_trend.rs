@@ -72,7 +72,6 @@ impl FadingTrend {
     }
 
     /// Applies the forgetting; the trend stays where it is.
-    #[inline(never)]
     pub(crate) fn fade(&mut self) {
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
         self.line.fade(FADE);

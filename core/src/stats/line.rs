@@ -45,7 +45,6 @@ impl Line {
     /// Takes a point with a weight above zero. Its squared residual is multiplied by `trust`. With
     /// weight and trust of one over the point's own variance, the sum of the squared residuals over
     /// that of the weights is the variance of a point of weight one.
-    #[inline(never)]
     pub(crate) fn add(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         self.take(time, force_n, weight, trust);
     }

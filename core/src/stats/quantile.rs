@@ -31,7 +31,6 @@ impl Quantile {
     }
 
     /// Takes a number at or above zero.
-    #[inline(never)]
     pub(crate) fn add(&mut self, size: f32) {
         if self.count >= SETTLED { self.follow(size, SMALLEST_GAIN) } else { self.start(size) }
     }
@@ -51,7 +50,6 @@ impl Quantile {
 
     /// Sorts the first eight numbers, whose quantile is the initial estimate; after them the steps
     /// are larger at first.
-    #[inline(never)]
     fn start(&mut self, mut size: f32) {
         if self.count >= FEWEST {
             self.count += 1;

@@ -182,7 +182,6 @@ impl Stretches {
         first
     }
 
-    #[inline(never)]
     fn end_steady(&mut self, steady: Option<Steady>) {
         let Some((start, stop, means, scatters)) = steady else { return };
         let [start, stop] = [start, stop].map(|index| SampleTime { index, fraction: 0.0 });

@@ -83,7 +83,6 @@ impl SteadyForce {
 
     /// Ends the stretch with its last full block; `None` if it is too short, or rises.
     #[cold]
-    #[inline(never)]
     pub(super) fn end(&mut self, next: u32) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
         // A significant rise is as likely that of a slow stick line.

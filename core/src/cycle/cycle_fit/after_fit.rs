@@ -31,8 +31,6 @@ pub(super) const LEVELS_A_STEP: usize = 12;
 
 impl CycleFit {
     /// Judges the misfit of the samples: noise, scatter in the slip, strain.
-    // A function of its own: inlined into `step` it takes two hundred bytes of flash more.
-    #[inline(never)]
     pub(super) fn judge(&mut self, learnt: &mut Expectations) {
         let (fit, slip, noise_n2) = (&mut self.fit, &self.slip, self.priors.noise_n2);
         let data = slip.data(&self.priors, &self.after);
@@ -108,8 +106,6 @@ impl CycleFit {
     }
 
     /// Updates the expectations of the next events.
-    // A function of its own: inlined into `step` it takes two hundred bytes of flash more.
-    #[inline(never)]
     pub(super) fn learn(&mut self, learnt: &mut Expectations) {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.slip));
         let (slip, data) = (&self.slip, self.slip.data(&self.priors, &self.after));
@@ -235,7 +231,6 @@ impl Measured {
     }
 
     /// Applies a correction found after the fit.
-    #[inline(never)]
     pub(crate) fn apply(&mut self, correction: &Correction) {
         self.posterior.apply(correction);
         if let Some(forces) = &mut self.alone {

@@ -81,7 +81,6 @@ fn is_likelier(straight: &Line, cosine: &Line) -> bool {
 
 /// Least-squares lines of the force between two times: over time, and, if it is asked for, over the
 /// cosine of an angle that runs linearly from that of the one edge to that of the other.
-#[inline(never)]
 fn lines(slip: &SlipRecord, (from, to): (f32, f32), with_cosine: bool) -> (Line, Line) {
     let angle = slip.rough.edge_angle;
     let turn = (core::f32::consts::PI - 2.0 * angle) / (to - from);

@@ -27,7 +27,6 @@ pub(crate) struct RootStiffnessRatio {
 
 impl RootStiffnessRatio {
     /// From the loading rate, N per period, and the swing, periods, each with its variance.
-    #[inline(never)]
     pub(crate) fn new(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> Self {
         let root = swing.0 * math::sqrt(rate.0 / site.momentum);
         // The relative error of a root is half that of its argument.

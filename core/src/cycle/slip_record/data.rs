@@ -17,7 +17,6 @@ impl SlipRecord {
     /// The data for the score test of force terms. Where the force bends down before the onset, the
     /// lines do not follow the bend: creep may cause it, and would not show about lines that follow
     /// it.
-    #[inline(never)]
     pub(crate) fn asked<'a>(&'a self, priors: &'a Priors, after: &'a Line) -> Data<'a> {
         let mut data = self.data(priors, after);
         if self.wander.creeps {

@@ -197,7 +197,6 @@ impl SlipRecord {
     /// Does the lowest sample show a slack cable? It, or its neighbour if it is missing, lies less
     /// than a period from where the cable began to load at `rate`, N per period; noise and zero
     /// error add to that.
-    #[inline(never)]
     pub(crate) fn reaches_zero(&self, rate: f32) -> bool {
         const PERIODS: f32 = 2.0;
         // Part of the highest force, for a zero error of the cell: missing the slack would be its

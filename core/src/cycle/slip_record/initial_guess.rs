@@ -18,7 +18,6 @@ pub(crate) const GUESSED: usize = 10;
 impl SlipRecord {
     /// Can a fit begin at the cycle of the first answer? Not on a slack cable: without the line
     /// after the slip the first answer is then hardly determined.
-    #[inline(never)]
     pub(crate) fn begins_again(&self, after: &Line) -> bool {
         self.early.is_some() && self.slack(after).is_none()
     }
@@ -61,7 +60,6 @@ impl SlipRecord {
 
     /// A guess with the given swing, periods, rate and centre, N: it lies on the line before and is
     /// half-way down when the samples are.
-    #[inline(never)]
     fn with_swing(&self, inverse_omega: f32, rate: f32, centre_n: f32) -> CycleParams {
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
         let half_drop_n = peak_n - centre_n;

@@ -328,7 +328,6 @@ impl SlipRecord {
 
     /// Do the ends of a cycle lie near the highest and the lowest sample, within `part` of the drop
     /// plus the rise of the line in `periods`?
-    #[inline(never)]
     pub(crate) fn is_spanned(&self, cycle: &CycleParams, part: f32, periods: f32) -> bool {
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
         let far_n = part * (peak_n - low_n) + periods * cycle.rate;

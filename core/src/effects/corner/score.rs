@@ -51,7 +51,6 @@ impl Asked {
     }
 
     /// The information matrix times the parameters.
-    #[inline(never)]
     pub(super) fn times(&self, numbers: &Numbers) -> Numbers {
         let mut product = Numbers::default();
         for (i, sum) in product.iter_mut().enumerate() {

@@ -68,7 +68,6 @@ impl Evidence {
     /// Does the swing imply a mass that has changed significantly, and by more than [`LEAST`]? The
     /// limit is lower where `forces`, the ratio of `Fp` to its mean, is nearer to that mass ratio
     /// than to one.
-    #[inline(never)]
     pub(super) fn is_off(&self, expected: Prior, forces: f32) -> bool {
         let masses = self.mass_ratio(expected);
         let agree = is_nearer(forces, masses);
@@ -82,7 +81,6 @@ impl Evidence {
 
     /// Is the mass ratio more than `far` standard deviations from `ratio`? Its variance is four
     /// times the ratio, times the variances of both swings over the square of the expected one.
-    #[inline(never)]
     fn is_far(&self, expected: Prior, ratio: f32, far: f32) -> bool {
         let own = self.inverse_omega.filter(|_| expected.weight > 0.0);
         own.is_some_and(|(_, variance)| {

@@ -93,7 +93,6 @@ impl Ripple {
     /// Ends a rest, or a part of a long one: adds it to the past unless it is foul. A past that
     /// turns out to be foul is dropped.
     #[cold]
-    #[inline(never)]
     pub(crate) fn settle(&mut self) {
         let (rest, usual) = (&self.rest, self.usual);
         let mean = rest.squares / rest.count;

@@ -84,7 +84,6 @@ impl Sums {
     }
 
     /// The colored noise that the sums show; none unless it is significant.
-    #[inline(never)]
     pub(super) fn wander(&self) -> ColoredNoise {
         let (oscillation_n2, cosine) = self.oscillation();
         let part = oscillation_n2 / self.squares;
