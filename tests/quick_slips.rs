@@ -45,8 +45,8 @@ fn slips_that_cannot_all_be_fitted_in_time_are_found_and_right() {
             println!("{of}: found {found:.3}, read {read:.3}, worst {worst:.1} std");
             assert!(found > 0.99, "{of}: {found} are found");
             assert!(worst < 5.0, "{of}: {worst} standard deviations");
-            // Half of them where even the coefficients alone take more time than there is.
-            let least = if slip < 1.0 || recurrence < 5.0 { 0.5 } else { 0.95 };
+            // Slips of a sample or less begin at several guesses: there is not always time for them.
+            let least = if slip > 1.0 { 0.95 } else { 0.5 };
             assert!(read > least, "{of}: {read} are read");
         }
     }

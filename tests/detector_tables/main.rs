@@ -38,7 +38,7 @@ fn three_slips_with_and_without_noise() {
     }
 }
 
-/// Postponed samples are processed later, three at a time, with the same result; after 192
+/// Postponed samples are processed later, three at a time, with the same result; after 240
 /// postponed samples no more are postponed.
 #[test]
 fn samples_wait_for_room_and_none_is_lost() {
@@ -50,9 +50,9 @@ fn samples_wait_for_room_and_none_is_lost() {
     let later = script.transitions_with(|index| (64..90).contains(&index));
     assert_eq!(later[3], "91 restick 62 65");
     assert_eq!(seen(later), at_once);
-    // The first three at sample 256, the fourth after as many samples were postponed again.
+    // The first three at sample 304, the fourth after as many samples were postponed again.
     let never = script.transitions_with(|index| index >= 64);
-    assert_eq!(never[3], "259 restick 62 65");
+    assert_eq!(never[3], "307 restick 62 65");
     assert!(at_once.starts_with(&seen(never)));
 }
 

@@ -51,7 +51,9 @@ impl CycleTracker {
                 let is_bent = self.finishing.as_ref().is_some_and(|CycleFit { slip, .. }| {
                     slip.elongation.sags() || slip.wander.is_disputed()
                 });
-                LINES + ANSWER + fall as usize + if is_bent { BENT } else { 0 }
+                let answer =
+                    if matches!(ended.progress, Progress::Answered(None)) { 0 } else { ANSWER };
+                LINES + answer + fall as usize + if is_bent { BENT } else { 0 }
             }
         }
     }

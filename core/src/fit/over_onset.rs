@@ -11,13 +11,13 @@ use core::ops::ControlFlow;
 use crate::fit::levenberg_marquardt::moved;
 use crate::fit::posterior::{Posterior, RESOLVED};
 use crate::fit::{Data, Fit, Fitting, Priors};
-use crate::model::CycleParams;
+use crate::model::{CycleParams, Shape};
 use crate::num::math::{self, smaller};
 use crate::stats::normal_equations::{UNKNOWNS, scaled};
 use crate::stats::prior::Prior;
 
 /// Length, periods, up to which a slip is also averaged while the swing is not known from other
-/// events: a longer slip has three samples.
+/// events, or if it ends right at a sample on a slack cable: a longer slip has three samples.
 const CLEARLY_RESOLVED: f32 = 3.0;
 /// Distance between places of the onset, periods.
 const STEP: f32 = 0.125;
@@ -56,9 +56,10 @@ pub(crate) struct OverOnset {
 impl OverOnset {
     /// Begins the average for a slip that its best fit does not resolve; else `None`.
     #[must_use]
-    pub(crate) fn new(best: &Fit, knows_omega: bool) -> Option<Self> {
+    pub(crate) fn new(best: &Fit, knows_omega: bool, noise_n2: f32) -> Option<Self> {
         let fall = best.shape.fall_time();
-        let least = if knows_omega { RESOLVED } else { CLEARLY_RESOLVED };
+        let clear = knows_omega && !is_at_edge(&best.shape, noise_n2);
+        let least = if clear { RESOLVED } else { CLEARLY_RESOLVED };
         let fine = if fall < RESOLVED { FINE } else { 1 };
         let (sums, place, from) = (Sums::default(), 0, *best.cycle());
         (fall < least).then_some(Self { sums, fine, place, from, fitting: None })
@@ -77,6 +78,11 @@ impl OverOnset {
         };
         self.fitting = None;
         self.take(data, best, fit)
+    }
+
+    /// Number of places that were fitted.
+    pub(crate) fn seen(&self) -> i16 {
+        if self.place < 0 { STEPS + self.fine - 1 - self.place } else { self.place }
     }
 
     /// Adds the fit of one place.
@@ -106,6 +112,19 @@ impl OverOnset {
         self.place = next;
         ControlFlow::Continue(())
     }
+}
+
+/// Is the force of the last sample before the cable goes slack within the noise of zero? The cable
+/// may then have gone slack earlier with the same likelihood: the fit determines only that the fall
+/// does not end before this sample.
+fn is_at_edge(shape: &Shape, noise_n2: f32) -> bool {
+    // Standard deviations: of normal variables one in 16 000.
+    const SURE: f32 = 4.0;
+    if !shape.is_slack() {
+        return false;
+    }
+    let (force_n, _) = shape.force(math::floor(shape.cycle().onset + shape.fall_time()));
+    force_n * force_n < SURE * SURE * noise_n2
 }
 
 /// A fit after a shift of its onset, the other unknowns shifted by their correlation with it.
@@ -244,7 +263,7 @@ mod tests {
             },
         };
         let fit = data.fit(&CycleParams { onset: onset + 0.1, ..truth }).unwrap();
-        let Some(mut places) = OverOnset::new(&fit, true) else {
+        let Some(mut places) = OverOnset::new(&fit, true, 4.0) else {
             return (truth, Posterior::at(&fit, 4.0), [0, 0]);
         };
         let [mut passes, mut seen] = [0, 1];

@@ -9,6 +9,8 @@ use crate::stats::quantile::Quantile;
 /// Compares rises and falls, until the fits give the noise.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TimeAsymmetry {
+    /// Mean of the recent steps, N, which is subtracted: a force that is let go falls evenly.
+    drift_n: f32,
     /// Steepest step of the current run, N, signed.
     steepest_n: f32,
     /// Upper quartile of the steepest steps, N.
@@ -25,6 +27,7 @@ pub(crate) struct TimeAsymmetry {
 impl TimeAsymmetry {
     pub(crate) const fn new() -> Self {
         Self {
+            drift_n: 0.0,
             steepest_n: 0.0,
             usual_n: Quantile::new(0.75),
             falls: 0.0,
@@ -36,6 +39,9 @@ impl TimeAsymmetry {
 
     /// Takes a step from one sample to the next, N.
     pub(crate) fn add(&mut self, step_n: f32) {
+        const MEMORY: f32 = 16.0;
+        self.drift_n += (step_n - self.drift_n) / MEMORY;
+        let step_n = step_n - self.drift_n;
         if step_n * self.steepest_n < 0.0 {
             let run_n = core::mem::take(&mut self.steepest_n);
             self.end_run(run_n.abs(), run_n < 0.0);

@@ -80,7 +80,7 @@ impl CycleFit {
             (_, true) => Strain::Strained,
             _ => Strain::None,
         };
-        let places = OverOnset::new(fit, knows_swing).filter(|_| !misfit);
+        let places = OverOnset::new(fit, knows_swing, now_n2).filter(|_| !misfit);
         if let Some(places) = places {
             self.priors = learnt.of(slip, &self.after, now_n2);
             self.stage = FitStage::Places(places);

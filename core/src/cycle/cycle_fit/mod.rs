@@ -32,6 +32,11 @@ use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
 
+/// Most places of an onset that are tried, per period until the next slip. Tuned: where several
+/// slips are taken for one, the recurrence is short, and with all places tried some of these slips
+/// are believed; with two, slips every four to six samples are far too uncertain.
+const PLACES: f32 = 2.5;
+
 /// Number of waiting samples above which an event is not fitted any more: a fit that was begun
 /// before still has the time of 32 samples.
 const TOO_LATE: u32 = LATE + 48;
@@ -151,7 +156,7 @@ impl CycleFit {
 
     /// One step: an iteration of the fit, or one that follows it. `waiting` is the number of
     /// samples that wait for it; when they are [`LATE`], the coefficients are computed and nothing
-    /// else, from one guess; when they are [`TOO_LATE`], slips recur faster than they can be
+    /// else; when they are [`TOO_LATE`], slips recur faster than they can be
     /// fitted. Breaks after the last one, with the reason why the event has no
     /// coefficients, if there is one.
     #[inline(never)]
@@ -165,7 +170,7 @@ impl CycleFit {
             FitStage::New | FitStage::Free(_) | FitStage::Expected(_) if waiting > TOO_LATE => {
                 self.stage = FitStage::Failed(Reason::TooShort);
             }
-            FitStage::New => self.start(learnt, late),
+            FitStage::New => self.start(learnt),
             FitStage::Free(_) => self.free(learnt),
             FitStage::Expected(_) => self.expected(learnt),
             FitStage::Converged => {
@@ -195,7 +200,7 @@ impl CycleFit {
             FitStage::New if waiting > TOO_LATE => 1,
             FitStage::Places(_) if waiting > LATE => 3,
             FitStage::New if self.slip.begins_again(&self.after) => 12,
-            FitStage::New if knows_omega || waiting > LATE => 18,
+            FitStage::New if knows_omega => 18,
             FitStage::New => 40 + samples.min(GUESSED) * 5 / 2,
             FitStage::Free(_) => 34 + self.slip.pass(&self.priors),
             FitStage::Expected(_) => 4 + self.slip.pass(&self.priors),
@@ -220,7 +225,7 @@ impl CycleFit {
         }
     }
 
-    fn start(&mut self, learnt: &mut Expectations, late: bool) {
+    fn start(&mut self, learnt: &mut Expectations) {
         if let Some(reason) = self.slip.refused {
             self.stage = FitStage::Failed(reason);
             return;
@@ -228,7 +233,7 @@ impl CycleFit {
         learnt.weigh(&self.slip);
         let known = learnt.residuals.variance_n2().is_some();
         let noise_n2 = learnt.fitted_noise_n2(&self.slip);
-        let fitting = self.begin(learnt, noise_n2, learnt.knows_omega() || late);
+        let fitting = self.begin(learnt, noise_n2);
         self.stage = if known { FitStage::Expected(fitting) } else { FitStage::Free(fitting) };
     }
 
@@ -250,14 +255,14 @@ impl CycleFit {
         }
         self.slip.begin_from(fit.as_ref());
         let noise_n2 = learnt.noise_n2(&self.slip);
-        self.stage = FitStage::Expected(self.begin(learnt, noise_n2, learnt.knows_omega()));
+        self.stage = FitStage::Expected(self.begin(learnt, noise_n2));
     }
 
-    fn begin(&mut self, learnt: &Expectations, noise_n2: f32, once: bool) -> Fitting {
+    fn begin(&mut self, learnt: &Expectations, noise_n2: f32) -> Fitting {
         self.priors = learnt.of(&self.slip, &self.after, noise_n2);
         self.slip.begin_again(&self.after).unwrap_or_else(|| {
             let data = self.slip.data(&self.priors, &self.after);
-            self.slip.guess(&data, once)
+            self.slip.guess(&data, learnt.knows_omega())
         })
     }
 
@@ -280,13 +285,14 @@ impl CycleFit {
         self.stage = slip.hidden.map_or(next, FitStage::Failed);
     }
 
-    /// Fits the next place of the onset; ends if it is `late`. The onset is then undetermined within
-    /// a period to either side, unless enough samples lie in the slip.
+    /// Fits the next place of the onset; ends if it is `late`, or if as many places were tried as
+    /// the time to the next slip allows. The onset is then undetermined within a period to either
+    /// side, unless enough samples lie in the slip and the cable is taut.
     fn place(&mut self, late: bool) {
         let FitStage::Places(places) = &mut self.stage else { return };
-        self.measured.posterior = if late {
+        self.measured.posterior = if late || f32::from(places.seen()) > PLACES * self.slip.limit {
             let mut at = Posterior::at(&self.fit, self.priors.noise_n2);
-            if self.slip.fall() < SHORTEST_FALL {
+            if self.slip.fall() < SHORTEST_FALL || !self.fit.cycle().is_taut() {
                 at.begin_anywhere();
             }
             at
