@@ -162,6 +162,8 @@ impl Pipeline {
     }
 
     /// Takes a received sample through all stages. `step` is filled in place, since it is large.
+    // Not inlined: `cargo xtask test` looks for panics from here on.
+    #[inline(never)]
     fn take(&mut self, step: &mut Step) {
         if let Some(force_n) = step.sample.force_n {
             let newest = ForcePoint { index: step.sample.index, force_n };
