@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use floe::sim::Scene;
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2;
 use floe_core::{Config, InputStd};
 
 use crate::brute::Pull;
@@ -50,6 +51,19 @@ pub fn stored(name: &str) -> Scene {
     let file = folder.join(format!("{name}.toml"));
     let text = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{name}: {e}"));
     Scene::from_toml(&text).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// Slips that last and recur these numbers of samples, on a cable that swings in twice the slip's
+/// time; the winch stretches it by a drop within a rest.
+#[must_use]
+pub fn quick(recurrence: f64, slip: f64) -> Scene {
+    let base = stored("honesty/base");
+    let (weight_n, mu_s, mu) = (630.0, 1.0, 0.7);
+    let omega = std::f64::consts::PI * base.rate_hz / slip;
+    let stiffness_n_per_m = omega * omega * weight_n / STANDARD_GRAVITY_M_PER_S2;
+    let drop_n = 2.0 * (mu_s - mu) * weight_n;
+    let winch_m_per_s = drop_n / stiffness_n_per_m * base.rate_hz / (recurrence - slip);
+    Scene { weight_n, mu_s, mu, stiffness_n_per_m, winch_m_per_s, ..base }
 }
 
 /// Configuration of the core for a pull.

@@ -141,35 +141,25 @@ fn quick() -> Result<Vec<Record>> {
     each.map(|(pair, gaps)| quick_record(pair, gaps)).collect()
 }
 
-/// Two minutes of such slips: a cable of this stiffness swings in twice the slip's time, and the
-/// winch stretches it by a drop within a rest.
+/// Two minutes of such slips.
 fn quick_record((recurrence, slip): (f64, f64), gaps: &str) -> Result<Record> {
-    const GRAVITY: f64 = 9.806_65;
-    let (rate_hz, weight_n, mu_s, mu) = (16.0, 630.0, 1.0, 0.7);
-    let omega = std::f64::consts::PI * rate_hz / slip;
-    let stiffness = omega * omega * weight_n / GRAVITY;
-    let winch = 2.0 * (mu_s - mu) * weight_n / stiffness * rate_hz / (recurrence - slip);
-    let text = format!(
-        "rate_hz = {rate_hz:?}\nduration_s = 120.0\nweight_n = {weight_n:?}\n\
-         mu_s = {mu_s:?}\nmu = {mu:?}\nstiffness_n_per_m = {stiffness:?}\n\
-         winch_m_per_s = {winch:?}\n[variation]\nmu_s_fraction = 0.01\nmu_fraction = 0.01\n\
-         [measurement]\nwhite_n = 1.0\n"
-    );
     let name = format!("recurrence {recurrence}, slip {slip}{gaps}");
     let is_kept = |index: u32| gaps.is_empty() || index % 61 >= index / 61 * 7 % 30;
-    of_scene(name.clone(), &text, is_kept).map_err(|e| format!("{name}: {e}"))
+    let mut scene = floe_tests::scenes::quick(recurrence, slip);
+    scene.measurement.white_n = 1.0;
+    of_scene(name.clone(), &scene, is_kept).map_err(|e| format!("{name}: {e}"))
 }
 
 pub(crate) fn scene_record(file: &Path) -> Result<Record> {
     let text = fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let scene = Scene::from_toml(&text).map_err(|e| format!("{}: {e}", file.display()))?;
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    of_scene(name, &text, |_| true).map_err(|e| format!("{}: {e}", file.display()))
+    of_scene(name, &scene, |_| true).map_err(|e| format!("{}: {e}", file.display()))
 }
 
-/// The record of a scene, by its text, with the samples whose index is kept.
-fn of_scene(name: String, text: &str, is_kept: impl Fn(u32) -> bool) -> Result<Record> {
-    let scene = Scene::from_toml(text).map_err(|e| e.to_string())?;
-    let samples = simulate(&scene, 2).map_err(|e| e.to_string())?.samples;
+/// The record of a scene, with the samples whose index is kept.
+fn of_scene(name: String, scene: &Scene, is_kept: impl Fn(u32) -> bool) -> Result<Record> {
+    let samples = simulate(scene, 2).map_err(|e| e.to_string())?.samples;
     let measurement = &scene.measurement;
     let range_n = (measurement.range_n - measurement.tare_n.abs()).max(0.0) as f32;
     let head = [scene.rate_hz as f32, scene.weight_n as f32, scene.slope_rad() as f32, range_n];

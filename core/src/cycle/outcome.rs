@@ -128,16 +128,16 @@ impl CycleTracker {
 
     /// Evidence for and against a fit.
     fn of_fit(&self, posterior: &Posterior, slip: &SlipRecord) -> Belief {
-        let Posterior { cycle, variances, .. } = posterior;
+        let Posterior { cycle, variances: [_, of_rate, _, of_drop, of_swing, ..], .. } = *posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
         // Decided by the mean swing of all events, not by that of a single one.
         let periods = slip.limit - cycle.onset;
         let folded =
             learnt.knows_omega() && RootStiffnessRatio::new(&site, rate, swing).is_folded(periods);
-        let (rate, drop) = ((cycle.rate, variances[1]), (cycle.half_drop_n, variances[3]));
+        let (rate, drop) = ((cycle.rate, of_rate), (cycle.half_drop_n, of_drop));
         let is_fast = periods < FAST;
-        let own = RootStiffnessRatio::new(&site, rate, (cycle.inverse_omega(), variances[4]));
+        let own = RootStiffnessRatio::new(&site, rate, (cycle.inverse_omega(), of_swing));
         let agrees_with_winch = own.is_one();
         // A smooth oscillation of the force can be fitted as slips as well, but without a sample
         // that is surely at rest, or with rests shorter than `SWINGS` if it is slow. A slip whose
@@ -152,7 +152,7 @@ impl CycleTracker {
         if !is_fast {
             return Belief { folded, unsure, ..Belief::default() };
         }
-        let determines = posterior.determines_swing(variances[4]);
+        let determines = posterior.determines_swing(of_swing);
         let folded = folded || (determines && own.is_folded(periods));
         Belief { folded, agrees_with_winch, unsure }
     }

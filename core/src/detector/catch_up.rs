@@ -18,14 +18,15 @@ const LESS_NOISE: f32 = 0.4;
 
 /// Limit of the number of waiting samples: the rest of the window holds what a slip looks back to,
 /// which is little where slips follow each other so fast.
-const MOST_PUT_OFF: u32 = WINDOW as u32 - 16;
+pub(crate) const MOST_PUT_OFF: u32 = WINDOW as u32 - 16;
 
 impl Detector {
-    /// May the next sample to be examined, by default this one, end a stick line: in a slip, or
+    /// May the next sample to be examined, the newest if none waits, end a stick line: in a slip, or
     /// after a gap?
     #[inline(always)]
-    pub(super) fn may_end_line(&self, index: u32) -> bool {
-        let index = if self.is_behind { self.window.first_from(self.next) } else { index };
+    pub(super) fn may_end_line(&self) -> bool {
+        let newest = self.window.end().wrapping_sub(1);
+        let index = if self.is_behind { self.window.first_from(self.next) } else { newest };
         match self.phase {
             Phase::Unknown => false,
             Phase::Stick => index - self.last.index > LONGEST_GAP,
@@ -48,7 +49,7 @@ impl Detector {
     /// caller repeats this until it returns `None`.
     pub(crate) fn catch_up(&mut self, most: u32, is_full: bool) -> Option<Transition> {
         for examined in 0..most {
-            let waits = is_full && examined > 0 && self.may_end_line(self.next);
+            let waits = is_full && examined > 0 && self.may_end_line();
             if self.is_up_to_date() || waits {
                 return None;
             }

@@ -37,6 +37,7 @@ mod restick;
 mod slack_wait;
 mod stick_line;
 
+pub(crate) use crate::detector::catch_up::MOST_PUT_OFF;
 pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
@@ -175,7 +176,7 @@ impl Detector {
             self.std_n = std_n;
             self.judge_again();
         }
-        if is_full && self.may_end_line(index) && self.put_off(index) {
+        if is_full && self.may_end_line() && self.put_off(index) {
             return None;
         }
         if self.is_behind {

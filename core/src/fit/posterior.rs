@@ -37,6 +37,13 @@ impl Posterior {
         (static_n2, dynamic_n2)
     }
 
+    /// Variance of the swing, periods².
+    #[must_use]
+    pub(crate) fn swing_variance(&self) -> f32 {
+        let [.., swing, _, _] = self.variances;
+        swing
+    }
+
     /// Adds to the variances of `Fs` and of `Fp`, N².
     pub(crate) fn widen(&mut self, by_static_n2: f32, by_dynamic_n2: f32) {
         let [_, _, static_n2, .., dynamic_n2] = &mut self.variances;
@@ -49,7 +56,7 @@ impl Posterior {
     #[inline(never)]
     pub(crate) fn is_resolved(&self) -> bool {
         let most = SWING_KNOWN * self.cycle.inverse_omega();
-        self.fall_time >= RESOLVED && self.variances[4] < most * most
+        self.fall_time >= RESOLVED && self.swing_variance() < most * most
     }
 
     /// Does the slip determine the swing well enough for the next events? `variance` is that of its

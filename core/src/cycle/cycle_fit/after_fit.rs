@@ -119,7 +119,7 @@ impl CycleFit {
             self.stage = FitStage::Failed(Reason::Hidden);
             return;
         }
-        if learnt.stood_slack(fit.cycle(), posterior.variances[4], slip.limit) {
+        if learnt.stood_slack(fit.cycle(), posterior.swing_variance(), slip.limit) {
             self.stage = FitStage::Failed(Reason::LetGo);
             return;
         }

@@ -18,7 +18,7 @@ use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::refusal;
 use crate::cycle::slip_record::{GUESSED, SHORTEST_FALL, SlipRecord};
-use crate::detector::Stick;
+use crate::detector::{MOST_PUT_OFF, Stick};
 use crate::effects::mass_change::Verdict;
 use crate::effects::score::Asked;
 use crate::event::Reason;
@@ -39,7 +39,7 @@ const PLACES: f32 = 2.5;
 
 /// Number of waiting samples above which an event is not fitted any more: a fit that was begun
 /// before still has the time of 32 samples.
-const TOO_LATE: u32 = LATE + 48;
+const TOO_LATE: u32 = MOST_PUT_OFF - 32;
 
 /// An event being fitted.
 // In this order: the record is copied straight into its place, as words.
@@ -155,10 +155,9 @@ impl CycleFit {
     }
 
     /// One step: an iteration of the fit, or one that follows it. `waiting` is the number of
-    /// samples that wait for it; when they are [`LATE`], the coefficients are computed and nothing
-    /// else; when they are [`TOO_LATE`], slips recur faster than they can be
-    /// fitted. Breaks after the last one, with the reason why the event has no
-    /// coefficients, if there is one.
+    /// samples that wait for it. Above [`LATE`] no step is done that the coefficients do not need,
+    /// and above [`TOO_LATE`] slips recur faster than they can be fitted. Breaks after the last one,
+    /// with the reason why the event has no coefficients, if there is one.
     #[inline(never)]
     pub(crate) fn step(
         &mut self,
