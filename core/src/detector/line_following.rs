@@ -38,6 +38,11 @@ const RENEWED: u8 = 4;
 /// the line needs half of the usual drop.
 const LEAST_USUAL: f32 = 16.0;
 
+/// Number of a line's samples for each that may lie in a slip, above which the line is kept: a slip
+/// begins slowly, and that sample moves the line's end by less than the line's own error. Tuned:
+/// with 16 the intervals of `many_pauses` widen, with 64 slow loading is read less precisely.
+const PURE: u32 = 32;
+
 /// What the profile does in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Look {
@@ -117,11 +122,12 @@ impl Detector {
     }
 
     /// A slip that was seen late, as one after a brief rest is, may have samples on the line. Then
-    /// the line is dropped, and the last samples before the onset are used one by one.
+    /// the line is dropped, unless it has far more others ([`PURE`]), and the last samples before
+    /// the onset are used one by one.
     pub(super) fn shorten_line(&mut self) {
         let Stick { origin, highest, next, .. } = self.stick;
         let end = highest.index.saturating_sub(whole(self.usual_rise)).max(origin);
-        if next > end {
+        if next > end && self.stick.line.count < PURE * (next - end) {
             self.stick.forget_line();
             self.stick.next = self.stick.next.min(end);
         }
