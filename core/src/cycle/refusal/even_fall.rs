@@ -1,6 +1,6 @@
 //! Falls along a straight line: the winch turned back, and nothing slipped.
 
-use crate::cycle::slip_record::SlipRecord;
+use crate::cycle::slip_record::{SURE, SlipRecord};
 use crate::fit::rounding_n2;
 use crate::model::Shape;
 use crate::num::math::{self, larger, smaller};
@@ -18,6 +18,10 @@ const SHAPELY_PERIODS: f32 = 6.0;
 /// Fewest samples of a fall that distinguish half a cosine from a line. Tuned: with three, true
 /// slips are refused where the cell lags.
 const SHAPELY: u32 = 4;
+/// The same for a fall to zero, as a hand makes it that lets the cable go. Tuned: with four, a cable
+/// let go in three samples is read as a slip on a slack cable (`no_slip/hand.rs`), with two, half of
+/// the true ones are refused where the cable creeps.
+const SHAPELY_TO_ZERO: u32 = 3;
 /// Threshold of twice the log-likelihood ratio of line and half cosine: by how many noise variances
 /// the squared residuals of the slip are larger. A choice.
 const LIKELIER: f32 = 12.0;
@@ -48,7 +52,7 @@ pub(super) fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bo
 /// May a fall have enough inner samples for [`is_angular`]? Long falls are judged before the fit.
 pub(crate) fn is_shapely(slip: &SlipRecord) -> bool {
     let fall = slip.fall();
-    fall > SHAPELY as f32 && fall <= LONGEST
+    fall > shapely(slip) as f32 && fall <= LONGEST
 }
 
 /// Does the slip that was fitted describe the samples significantly worse than its two stick lines
@@ -56,7 +60,7 @@ pub(crate) fn is_shapely(slip: &SlipRecord) -> bool {
 pub(crate) fn is_angular(slip: &SlipRecord, shape: &Shape, after: &Line) -> bool {
     let (straight, _) = lines(slip, slip.steep(), false);
     let noise_n2 = noise_n2(slip, after);
-    if straight.count < SHAPELY || own_n2(&straight) > EVEN * noise_n2 {
+    if straight.count < shapely(slip) || own_n2(&straight) > EVEN * noise_n2 {
         return false;
     }
     let fall_n = straight.slope().unwrap_or(0.0);
@@ -72,6 +76,15 @@ pub(crate) fn is_angular(slip: &SlipRecord, shape: &Shape, after: &Line) -> bool
     further_n2 > LIKELIER * noise_n2
 }
 
+/// Fewest samples by which the shape of this fall is told.
+fn shapely(slip: &SlipRecord) -> u32 {
+    if falls_to_zero(slip) { SHAPELY_TO_ZERO } else { SHAPELY }
+}
+
+fn falls_to_zero(slip: &SlipRecord) -> bool {
+    slip.reaches_zero(slip.rough.rate)
+}
+
 /// Is a line significantly likelier than half a cosine, for an unknown noise variance?
 fn is_likelier(straight: &Line, cosine: &Line) -> bool {
     let likelier = straight.count as f32 * math::ln(cosine.residual() / straight.residual());
@@ -80,13 +93,17 @@ fn is_likelier(straight: &Line, cosine: &Line) -> bool {
 }
 
 /// Least-squares lines of the force between two times: over time, and, if it is asked for, over the
-/// cosine of an angle that runs linearly from that of the one edge to that of the other.
+/// cosine of an angle that runs linearly from that of the one edge to that of the other. Samples
+/// within the noise of the ends of a short fall to zero lie beside it.
 fn lines(slip: &SlipRecord, (from, to): (f32, f32), with_cosine: bool) -> (Line, Line) {
     let angle = slip.rough.edge_angle;
     let turn = (core::f32::consts::PI - 2.0 * angle) / (to - from);
     let (mut straight, mut cosine) = (Line::default(), Line::default());
+    let beside = !with_cosine && falls_to_zero(slip);
+    let end_n = if beside { SURE * math::sqrt(slip.noise_n2) } else { f32::NEG_INFINITY };
+    let (high_n, low_n) = (slip.peak.force_n - end_n, slip.low.force_n + end_n);
     for (time, force_n) in slip.samples().good() {
-        if time >= from && time <= to {
+        if time >= from && time <= to && force_n < high_n && force_n > low_n {
             straight.add(time, force_n, 1.0, 1.0);
             if with_cosine {
                 cosine.add(math::sin_cos(angle + turn * (time - from)).1, force_n, 1.0, 1.0);
