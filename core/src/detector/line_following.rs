@@ -40,8 +40,9 @@ const LEAST_USUAL: f32 = 16.0;
 
 /// Number of a line's samples for each that may lie in a slip, above which the line is kept: a slip
 /// begins slowly, and that sample moves the line's end by less than the line's own error. Tuned:
-/// with 16 the intervals of `many_pauses` widen, with 64 slow loading is read less precisely.
-const PURE: u32 = 32;
+/// with 16 the intervals of `many_pauses` widen, with 32 those of friction that wanders are more
+/// than half as wide again as its errors, with 128 slow loading is read less precisely.
+const PURE: u32 = 64;
 
 /// What the profile does in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
