@@ -40,8 +40,8 @@ const LEAST_USUAL: f32 = 16.0;
 
 /// Number of a line's samples for each that may lie in a slip, above which the line is kept: a slip
 /// begins slowly, and that sample moves the line's end by less than the line's own error. Tuned:
-/// with 16 the intervals of `many_pauses` widen, with 32 those of friction that wanders are more
-/// than half as wide again as its errors, with 128 slow loading is read less precisely.
+/// with 16 the intervals of `many_pauses` widen, with 32 those of a real recording of friction that
+/// wanders are 1.65 times its errors (1.42), with 128 slow loading is read less precisely.
 const PURE: u32 = 64;
 
 /// What the profile does in a step.
