@@ -9,34 +9,48 @@ use floe_tests::scenes::quick;
 use floe_tests::score::{self, Tried, run};
 
 /// Parts of the true events that are found, and that have both coefficients; the largest error of
-/// one, combined standard deviations.
-fn judged(scene: &Scene) -> [f64; 3] {
+/// one, combined standard deviations; the largest ratio of the median combined standard deviation
+/// of a coefficient over the root mean square of its errors.
+fn judged(scene: &Scene) -> [f64; 4] {
     let Tried { truths, found, pairs, .. } = run(scene, 1);
     let (mut read, mut worst) = (0, 0.0_f64);
+    let mut all_of = [const { Vec::new() }; 2];
     for &(truth, event) in &pairs {
         let (truth, event) = (&truths[truth], &found[event]);
         read += usize::from(event.mu_s.is_some() && event.mu.is_some());
-        for (coefficient, truth) in [(event.mu_s, truth.mu_s), (event.mu, truth.mu)] {
-            worst = worst.max(coefficient.map_or(0.0, |it| score::off(&it, truth).abs()));
+        let both = [(event.mu_s, truth.mu_s), (event.mu, truth.mu)];
+        for (all, (coefficient, truth)) in all_of.iter_mut().zip(both) {
+            let Some(it) = coefficient else { continue };
+            worst = worst.max(score::off(&it, truth).abs());
+            all.push((f64::from(it.combined_std()), f64::from(it.value) - truth));
         }
     }
-    let all = truths.len() as f64;
-    [pairs.len() as f64 / all, read as f64 / all, worst]
+    let wide = all_of.iter_mut().map(|all| {
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let squares: f64 = all.iter().map(|(_, error)| error * error).sum();
+        all[all.len() / 2].0 / (squares / all.len() as f64).sqrt()
+    });
+    let (wide, all) = (wide.fold(0.0, f64::max), truths.len() as f64);
+    [pairs.len() as f64 / all, read as f64 / all, worst, wide]
 }
 
 #[test]
 fn slips_that_cannot_all_be_fitted_in_time_are_found_and_right() {
     for recurrence in [4.5, 5.5, 6.5, 7.6, 9.0] {
         for slip in [0.7, 1.0, 1.5, 2.1] {
-            let [found, read, worst] =
+            let [found, read, worst, wide] =
                 judged(&Scene { duration_s: 240.0, ..quick(recurrence, slip) });
             let of = format!("recurrence {recurrence}, slip {slip}");
-            println!("{of}: found {found:.3}, read {read:.3}, worst {worst:.1} std");
+            println!(
+                "{of}: found {found:.3}, read {read:.3}, worst {worst:.1} std, {wide:.2} wide"
+            );
             assert!(found > 0.99, "{of}: {found} are found");
             assert!(worst < 5.0, "{of}: {worst} standard deviations");
             // Slips of a sample or less begin at several guesses: there is not always time for them.
             let least = if slip > 1.0 { 0.95 } else { 0.5 };
             assert!(read > least, "{of}: {read} are read");
+            // From nine samples on there is time to fit places of the onset for most of them.
+            assert!(recurrence < 9.0 || wide < 4.0, "{of}: intervals {wide} times the errors");
         }
     }
 }

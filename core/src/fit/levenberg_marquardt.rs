@@ -44,6 +44,8 @@ pub(crate) struct Fitting {
     gain: f32,
     damping: f32,
     steps: u8,
+    /// Tolerance, as a part of the noise variance.
+    settled: f32,
     pass: Option<Pass>,
 }
 
@@ -87,13 +89,14 @@ impl Fitting {
         // An infinite cost, so that the guess is accepted whatever it costs.
         let normal = Normal { cost: f32::INFINITY, ..Normal::default() };
         let pass = Some(Pass::at(cycle));
-        Self { cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
+        Self { cycle, normal, gain: 0.0, damping: 0.0, steps: 0, settled: SETTLED, pass }
     }
 
-    /// Starts from a guess, with at most `most_steps` steps.
+    /// Starts from a guess, with at most `most_steps` steps and this tolerance, as a part of the
+    /// noise variance.
     #[must_use]
-    pub(crate) fn brief(guess: &CycleParams, most_steps: u8) -> Self {
-        Self { steps: MOST_STEPS.saturating_sub(most_steps), ..Self::new(guess) }
+    pub(crate) fn brief(guess: &CycleParams, most_steps: u8, settled: f32) -> Self {
+        Self { steps: MOST_STEPS.saturating_sub(most_steps), settled, ..Self::new(guess) }
     }
 
     /// One step. Breaks with the fit, or with `None` when the data do not determine the unknowns.
@@ -138,7 +141,7 @@ impl Fitting {
         let gain = dot(&step, &self.normal.right);
         let least_n2 = self.least_n2(data);
         let trial = limited(moved(&self.cycle, &step));
-        if smaller(data.nonlinearity_n2(&self.cycle, &step), gain) < SETTLED * least_n2 {
+        if smaller(data.nonlinearity_n2(&self.cycle, &step), gain) < self.settled * least_n2 {
             (self.cycle, self.normal.cost) = (trial, self.normal.cost - gain);
             // A damped matrix is not that of the variances.
             let factor = if self.damping > 0.0 { self.information() } else { Some(factor) };

@@ -12,26 +12,29 @@ use crate::fit::levenberg_marquardt::moved;
 use crate::fit::posterior::{Posterior, RESOLVED};
 use crate::fit::{Data, Fit, Fitting, Priors};
 use crate::model::{CycleParams, Shape};
-use crate::num::math::{self, smaller};
+use crate::num::math::{self, larger, smaller};
 use crate::stats::normal_equations::{UNKNOWNS, scaled};
 use crate::stats::prior::Prior;
 
 /// Length, periods, up to which a slip is also averaged while the swing is not known from other
 /// events, or if it ends right at a sample on a slack cable: a longer slip has three samples.
 const CLEARLY_RESOLVED: f32 = 3.0;
-/// Distance between places of the onset, periods.
-const STEP: f32 = 0.125;
-/// Number of places on either side of the best fit, up to a period from it.
-const STEPS: i16 = 8;
+/// Most places on either side of the best fit, up to a period from it: as many as there are periods
+/// until the next slip, whose fit needs the time. Tuned: with six or twelve, intervals of short
+/// slips become too narrow.
+const MOST: f32 = 8.0;
 /// Factor by which the places within the first step are closer where the slip is short: a sample
 /// right at one of its ends leaves a tenth of a period open.
-const FINE: i16 = 4;
+const FINE: i16 = 3;
 /// Information that holds the onset at a place, in units of that of one sample on the steepest part
 /// of the slip: it holds to a hundredth of what such a sample leaves open.
 const HELD: f32 = 1e4;
 /// Most steps of the fit at a place; one or two usually suffice. A fit that has not converged by
 /// then has a kink and gets no better.
 const MOST_STEPS: u8 = 8;
+/// Tolerance of the fit at a place, as a part of the noise variance: likelihoods need no more. A
+/// choice: with a tenth intervals are the same, and the fits take longer.
+const SETTLED: f32 = 0.5;
 /// Part of the best fit's variances beyond the noise that is added to the average: a scatter of the
 /// slip's samples shifts the onset, and the places include some of that. Tuned: with none the
 /// intervals of slips that are no ellipse are too narrow, with all of it three halves of their
@@ -45,8 +48,11 @@ const UNLIKELY: f32 = 1.2e-7;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OverOnset {
     sums: Sums,
-    /// Number of places within the first step.
+    /// Numbers of places in a period and within the first step.
+    steps: i16,
     fine: i16,
+    /// Is a place at a period from the best fit as likely as others?
+    is_open: bool,
     /// The next place, and the cycle from which its fit begins.
     place: i16,
     from: CycleParams,
@@ -54,25 +60,36 @@ pub(crate) struct OverOnset {
 }
 
 impl OverOnset {
-    /// Begins the average for a slip that its best fit does not resolve; else `None`.
+    /// Begins the average for a slip that its best fit does not resolve, with the next slip
+    /// `periods` later; else `None`.
     #[must_use]
-    pub(crate) fn new(best: &Fit, knows_omega: bool, noise_n2: f32) -> Option<Self> {
+    pub(crate) fn new(best: &Fit, knows_omega: bool, noise_n2: f32, periods: f32) -> Option<Self> {
         let fall = best.shape.fall_time();
         let clear = knows_omega && !is_at_edge(&best.shape, noise_n2);
         let least = if clear { RESOLVED } else { CLEARLY_RESOLVED };
         let fine = if fall < RESOLVED { FINE } else { 1 };
-        let (sums, place, from) = (Sums::default(), 0, *best.cycle());
-        (fall < least).then_some(Self { sums, fine, place, from, fitting: None })
+        let steps = larger(smaller(periods, MOST), 1.0) as i16;
+        let (sums, from) = (Sums::default(), *best.cycle());
+        (fall < least).then_some(Self {
+            sums,
+            steps,
+            fine,
+            is_open: false,
+            place: 0,
+            from,
+            fitting: None,
+        })
     }
 
     /// One iteration. Breaks with the posterior after the last place.
     pub(crate) fn step(&mut self, data: &Data<'_>, best: &Fit) -> ControlFlow<Posterior> {
-        let onset = best.cycle().onset + offset(self.place, self.fine).0;
+        let onset = best.cycle().onset + self.offset(self.place).0;
         let steepest = self.from.rate + self.from.half_drop_n * self.from.omega;
         let held = Prior { mean: onset, weight: HELD * steepest * steepest };
         let held = Data { priors: &Priors { onset: held, ..*data.priors }, ..*data };
         let guess = CycleParams { onset, ..self.from };
-        let fitting = self.fitting.get_or_insert_with(|| Fitting::brief(&guess, MOST_STEPS));
+        let fitting =
+            self.fitting.get_or_insert_with(|| Fitting::brief(&guess, MOST_STEPS, SETTLED));
         let ControlFlow::Break(fit) = fitting.step(&held) else {
             return ControlFlow::Continue(());
         };
@@ -80,15 +97,29 @@ impl OverOnset {
         self.take(data, best, fit)
     }
 
-    /// Number of places that were fitted.
-    pub(crate) fn seen(&self) -> i16 {
-        if self.place < 0 { STEPS + self.fine - 1 - self.place } else { self.place }
+    /// Is the onset undetermined within a period to either side?
+    #[must_use]
+    pub(crate) fn is_open(&self) -> bool {
+        self.is_open
+    }
+
+    /// Distance of a place from the best fit, periods, and the width of the interval that it
+    /// represents, in steps.
+    fn offset(&self, place: i16) -> (f32, f32) {
+        let (number, closer) = (place.abs(), f32::from(self.fine));
+        let (steps, width) = if number < self.fine {
+            (f32::from(number) / closer, 1.0 / closer)
+        } else {
+            let width = if number == self.fine { 0.5 + 0.5 / closer } else { 1.0 };
+            (f32::from(number - self.fine + 1), width)
+        };
+        ((steps / f32::from(self.steps)).copysign(f32::from(place)), width)
     }
 
     /// Adds the fit of one place.
     fn take(&mut self, data: &Data<'_>, best: &Fit, fit: Option<Fit>) -> ControlFlow<Posterior> {
         let (prior, noise_n2) = (data.priors.onset, data.priors.noise_n2);
-        let (by, width) = offset(self.place, self.fine);
+        let (by, width) = self.offset(self.place);
         let onset = best.cycle().onset + by;
         // Beyond an unlikely place all places are unlikely.
         let mut ends = fit.is_none();
@@ -99,8 +130,11 @@ impl OverOnset {
             ends = likelihood < UNLIKELY;
             self.sums.add(width * likelihood, &Posterior::at(fit, noise_n2), best);
         }
-        let Some(next) = following(self.place, STEPS + self.fine - 1, ends) else {
-            return ControlFlow::Break(self.sums.posterior(best, noise_n2));
+        let last = self.steps + self.fine - 1;
+        self.is_open |= !ends && self.place.abs() == last;
+        let Some(next) = following(self.place, last, ends) else {
+            let step = 1.0 / f32::from(self.steps);
+            return ControlFlow::Break(self.sums.posterior(best, noise_n2, step));
         };
         // The other side begins again at the best fit.
         let turns = self.place > 0 && next < 0;
@@ -108,7 +142,7 @@ impl OverOnset {
             Some(fit) if !turns => (fit, by),
             _ => (best, 0.0),
         };
-        self.from = along(fit, offset(next, self.fine).0 - here);
+        self.from = along(fit, self.offset(next).0 - here);
         self.place = next;
         ControlFlow::Continue(())
     }
@@ -132,18 +166,6 @@ fn along(fit: &Fit, by: f32) -> CycleParams {
     let onset = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let tied = fit.factor.solve(&onset);
     moved(fit.cycle(), &scaled(&tied, by / tied[0]))
-}
-
-/// Distance of a place from the best fit, periods, and the width of the interval that it
-/// represents, in steps.
-fn offset(place: i16, fine: i16) -> (f32, f32) {
-    let (number, closer) = (place.abs(), f32::from(fine));
-    let (steps, width) = if number < fine {
-        (f32::from(number) / closer, 1.0 / closer)
-    } else {
-        (f32::from(number - fine + 1), if number == fine { 0.5 + 0.5 / closer } else { 1.0 })
-    };
-    ((STEP * steps).copysign(f32::from(place)), width)
 }
 
 /// The place after this one: up to the last, or to one that ends this side, and then down.
@@ -178,14 +200,14 @@ impl Sums {
         }
     }
 
-    fn posterior(&self, best: &Fit, noise_n2: f32) -> Posterior {
+    fn posterior(&self, best: &Fit, noise_n2: f32, step: f32) -> Posterior {
         if self.weight <= 0.0 {
             return Posterior::at(best, noise_n2);
         }
         let mut spread = self.moments;
         for [mean, square] in &mut spread {
             *mean /= self.weight;
-            *square = math::larger(*square / self.weight - *mean * *mean, 0.0);
+            *square = larger(*square / self.weight - *mean * *mean, 0.0);
         }
         let [onset, rate, by_static, _, inverse_omega, rate_change, by_dynamic] =
             spread.map(|[mean, _]| mean);
@@ -207,9 +229,9 @@ impl Sums {
         // If the onset is known better than the spacing of the places, few of these carry all the
         // weight, and their fits lack the onset's own variance: the best fit's variances are the
         // least.
-        if best.shape.fall_time() >= RESOLVED || over.variances[0] <= STEP * STEP / 4.0 {
+        if best.shape.fall_time() >= RESOLVED || over.variances[0] <= step * step / 4.0 {
             for (variance, least) in over.variances.iter_mut().zip(best.variances) {
-                *variance = math::larger(*variance, noise_n2 * least);
+                *variance = larger(*variance, noise_n2 * least);
             }
         }
         over
@@ -236,7 +258,7 @@ mod tests {
     }
 
     /// The true cycle, its posterior, and the numbers of passes and of places.
-    fn posterior(slide: f32, onset: f32) -> (CycleParams, Posterior, [u32; 2]) {
+    fn posterior(slide: f32, onset: f32, periods: f32) -> (CycleParams, Posterior, [u32; 2]) {
         let omega = 3.3 / slide;
         let truth = CycleParams {
             onset,
@@ -263,7 +285,7 @@ mod tests {
             },
         };
         let fit = data.fit(&CycleParams { onset: onset + 0.1, ..truth }).unwrap();
-        let Some(mut places) = OverOnset::new(&fit, true, 4.0) else {
+        let Some(mut places) = OverOnset::new(&fit, true, 4.0, periods) else {
             return (truth, Posterior::at(&fit, 4.0), [0, 0]);
         };
         let [mut passes, mut seen] = [0, 1];
@@ -281,8 +303,8 @@ mod tests {
 
     #[test]
     fn a_slip_between_two_samples_leaves_the_onset_open() {
-        let (truth, got, [passes, places]) = posterior(0.5, 0.25);
-        assert!(places == 16 && passes < 3 * places, "{passes} passes, {places} places");
+        let (truth, got, [passes, places]) = posterior(0.5, 0.25, 20.0);
+        assert!(places == 14 && passes < 3 * places, "{passes} passes, {places} places");
         let onset_std = math::sqrt(got.variances[0]);
         assert!(onset_std > 0.05 && onset_std < 0.5, "{onset_std}");
         let std = math::sqrt(got.forces_n2().0);
@@ -292,8 +314,18 @@ mod tests {
     }
 
     #[test]
+    fn a_slip_that_recurs_soon_is_averaged_over_fewer_places() {
+        let (truth, many, [_, most]) = posterior(0.5, 0.25, 20.0);
+        let (_, few, [_, places]) = posterior(0.5, 0.25, 5.0);
+        assert!(places + 2 < most, "{places} of {most} places");
+        let [many_n, few_n] = [many, few].map(|it| math::sqrt(it.forces_n2().0));
+        assert!((0.8..1.25).contains(&(few_n / many_n)), "{few_n} {many_n}");
+        assert!((few.cycle.static_n - truth.static_n).abs() < 2.0 * few_n);
+    }
+
+    #[test]
     fn a_slip_of_three_samples_is_told_by_its_fit() {
-        let (truth, got, _) = posterior(3.0, 0.25);
+        let (truth, got, _) = posterior(3.0, 0.25, 20.0);
         assert!(got.is_resolved() && got.variances[0] < 1e-3);
         assert!((got.cycle.static_n - truth.static_n).abs() < 1.0);
     }

@@ -80,8 +80,8 @@ impl CycleFit {
             (_, true) => Strain::Strained,
             _ => Strain::None,
         };
-        let places = OverOnset::new(fit, knows_swing, now_n2).filter(|_| !misfit);
-        if let Some(places) = places {
+        let places = OverOnset::new(fit, knows_swing, now_n2, slip.limit);
+        if let Some(places) = places.filter(|_| !misfit) {
             self.priors = learnt.of(slip, &self.after, now_n2);
             self.stage = FitStage::Places(places);
             self.shorten();

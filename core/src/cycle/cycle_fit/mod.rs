@@ -32,10 +32,10 @@ use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
 
-/// Most places of an onset that are tried, per period until the next slip. Tuned: where several
-/// slips are taken for one, the recurrence is short, and with all places tried some of these slips
-/// are believed; with two, slips every four to six samples are far too uncertain.
-const PLACES: f32 = 2.5;
+/// Recurrence, periods, below which an onset whose places are all as likely is undetermined: a cycle
+/// with as many samples as unknowns fits any oscillation, such as hum of 60 Hz sampled at 16 Hz. A
+/// choice: with 4.5 or 6 nothing changes.
+const FEW: f32 = 5.0;
 
 /// Number of waiting samples above which an event is not fitted any more: a fit that was begun
 /// before still has the time of 32 samples.
@@ -284,22 +284,23 @@ impl CycleFit {
         self.stage = slip.hidden.map_or(next, FitStage::Failed);
     }
 
-    /// Fits the next place of the onset; ends if it is `late`, or if as many places were tried as
-    /// the time to the next slip allows. The onset is then undetermined within a period to either
-    /// side, unless enough samples lie in the slip and the cable is taut.
+    /// Fits the next place of the onset; ends if it is `late`. The onset is then undetermined within
+    /// a period to either side, as it is where all places are likely and slips recur fast, unless
+    /// enough samples lie in the slip and the cable is taut.
     fn place(&mut self, late: bool) {
         let FitStage::Places(places) = &mut self.stage else { return };
-        self.measured.posterior = if late || f32::from(places.seen()) > PLACES * self.slip.limit {
-            let mut at = Posterior::at(&self.fit, self.priors.noise_n2);
-            if self.slip.fall() < SHORTEST_FALL || !self.fit.cycle().is_taut() {
-                at.begin_anywhere();
-            }
-            at
+        let mut posterior = if late {
+            Posterior::at(&self.fit, self.priors.noise_n2)
         } else {
             let data = self.slip.data(&self.priors, &self.after);
-            let ControlFlow::Break(posterior) = places.step(&data, &self.fit) else { return };
-            posterior
+            let ControlFlow::Break(average) = places.step(&data, &self.fit) else { return };
+            average
         };
+        let is_open = late || (places.is_open() && self.slip.limit < FEW);
+        if is_open && (self.slip.fall() < SHORTEST_FALL || !self.fit.cycle().is_taut()) {
+            posterior.begin_anywhere();
+        }
+        self.measured.posterior = posterior;
         self.excess = 1.0;
         self.stage = FitStage::Learning;
     }
