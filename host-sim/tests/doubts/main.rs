@@ -163,6 +163,11 @@ fn a_limit_that_the_log_does_not_name_is_asked_about() {
             let said = json_with_warnings(&floe(&["replay", path, "--json"]));
             assert!(said.contains(&format!("--range-n {limit_n},")), "{log} {percent} %: {said}");
         }
+        // The limit is that of the cell, whatever its zero.
+        let zeros = ["--zero-before-n", "-20", "--zero-after-n", "35"];
+        let said = json_with_warnings(&floe(&[&["replay", path, "--json"], &zeros[..]].concat()));
+        let limit_n = (largest_n * 98.0).round() / 100.0;
+        assert!(said.contains(&format!("--range-n {limit_n},")), "{log}: {said}");
         let refused = floe(&["replay", path, "--range-n", "400", "--json"]);
         let refused: serde_json::Value = serde_json::from_slice(&refused.stdout).unwrap();
         assert_eq!(refused["estimate"]["events"], 0);
