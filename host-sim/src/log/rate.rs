@@ -8,12 +8,35 @@ use crate::rounding::significant;
 use super::clock::Clock;
 use super::metadata::Metadata;
 use super::rows::{Row, Rows};
+use super::stamp::DAY_S;
 use super::timing::{RATES_HZ, Timing, median};
 
 /// Smallest number of rows that determine a rate.
 const ENOUGH: usize = 32;
 /// Largest relative difference between the nominal and the actual rate of one clock.
 const NEAR: f64 = 0.02;
+
+/// Error for an invalid rate, with the unit in which it would be valid.
+#[must_use]
+pub fn no_rate(rate_hz: f64) -> InputError {
+    let units =
+        [("ms", 1e3), ("us", 1e6), ("ns", 1e9), ("min", 1.0 / 60.0), ("excel", 1.0 / 86_400.0)];
+    let fits = |(_, seconds): &&(&str, f64)| RATES_HZ.contains(&(rate_hz * seconds));
+    let unit = units.iter().find(fits).map_or_else(
+        || "--time-unit, or turn it into seconds".to_string(),
+        |(unit, seconds)| format!("--time-unit; in {unit} they would be {:.3}", rate_hz * seconds),
+    );
+    let is_rate = |unit_s: f64| RATES_HZ.contains(&(rate_hz / unit_s));
+    let hours = Some(rate_hz / 3600.0).filter(|_| is_rate(3600.0) && !is_rate(DAY_S));
+    let in_hours = hours.map_or_else(String::new, |rate_hz| {
+        format!(", in hours {rate_hz:.3}: turn these into seconds")
+    });
+    let thin = if rate_hz > 1.0 { " then thin the log," } else { "" };
+    InputError::new(format!(
+        "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds?{thin} \
+         else give {unit}{in_hours}"
+    ))
+}
 
 /// Rejects a given rate with which samples would count as duplicates or gaps. Returns a warning for
 /// one with which many would be missing.

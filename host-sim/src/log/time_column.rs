@@ -222,7 +222,7 @@ impl Columns<'_> {
         let rates = |unit_s: f64| RATES_HZ.contains(&(step * unit_s).recip());
         match first {
             8e8..1e20 => self.dated(column, TimeUnit::Epoch, decimal),
-            20_000.0..80_000.0 if !rates(1.0) && rates(86_400.0) => {
+            20_000.0..80_000.0 | 713_960.0..773_960.0 if !rates(1.0) && rates(86_400.0) => {
                 self.dated(column, TimeUnit::Excel, decimal)
             }
             _ if self.numbers_rows(column, decimal) => Err(InputError::new(format!(

@@ -9,8 +9,8 @@ use crate::error::InputError;
 use super::beat::beating;
 use super::fine::fine;
 use super::groups::shared;
+use super::rate::no_rate;
 use super::rows::Row;
-use super::stamp::no_rate;
 
 /// Rate used if the stamps do not determine it.
 pub const DEFAULT_RATE_HZ: f64 = 16.0;
