@@ -113,6 +113,7 @@ pub fn layout(
         array_id: Some(id),
         resolution_s: Some(if seconds { RESOLUTION_S } else { 60.0 }),
         seconds_unsaid: false,
+        part: None,
     };
     Ok((layout, note.into_iter().collect()))
 }

@@ -5,6 +5,7 @@ use crate::rounding::counted;
 
 use super::cells::{Cells, text};
 use super::number::{Decimal, Unit, finite, is_thousand, reading, reading_of, thousand};
+use super::part::Part;
 use super::plain::PlainRow;
 use super::remedy;
 use super::rows::Row;
@@ -41,6 +42,8 @@ pub struct Layout {
     pub resolution_s: Option<f64>,
     /// Whether the unit of the time is unstated and assumed to be seconds.
     pub seconds_unsaid: bool,
+    /// Parts of a second beside a time in whole seconds.
+    pub part: Option<Part>,
 }
 
 /// Form of a row's time.
@@ -202,7 +205,20 @@ impl Layout {
         };
         // Larger times leave no room for a fraction of a second.
         let time = time.filter(|time_s| time_s.abs() <= LATEST_S);
-        time.ok_or_else(|| remedy::no_time(text))
+        Ok(time.ok_or_else(|| remedy::no_time(text))? + self.part_s(line, cells)?)
+    }
+
+    fn part_s(&self, line: &[u8], cells: &Cells) -> Result<f64, InputError> {
+        let Some(Part { cell, unit }) = self.part else { return Ok(0.0) };
+        let text = cells.get(line, cell).unwrap_or_default();
+        let part_s = unit.seconds(text, self.decimal).filter(|part_s| (0.0..1.0).contains(part_s));
+        part_s.ok_or_else(|| {
+            InputError::new(format!(
+                "cell {} holds {}, no part of a second; correct the line",
+                cell + 1,
+                excerpt(text)
+            ))
+        })
     }
 }
 
