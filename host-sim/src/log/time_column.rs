@@ -246,7 +246,10 @@ impl Columns<'_> {
         let goes_on = values.windows(2).all(|w| w.first() <= w.last()) && first < last;
         let mut cells = self.cells(column).filter(|cell| !cell.is_empty());
         let are_values = cells.all(|cell| kind(cell) == Kind::Value);
-        are_values && (values.is_empty() || goes_on) && !self.numbers_rows(column, Decimal::Any)
+        // Of dates the first and the last differ, unless they say when the record began.
+        let dates_go_on =
+            values.is_empty() && self.cells(column).next() != self.cells(column).last();
+        are_values && (dates_go_on || goes_on) && !self.numbers_rows(column, Decimal::Any)
     }
 
     /// Whether a column may number the rows, by the first ones.

@@ -139,7 +139,7 @@ pub fn time_forms() -> Vec<Form> {
         form(
             "two columns of dates",
             table("begun;seen;Force [N]\n", |t, f| format!("{};{};{f}", iso(0.0), iso(t))),
-            Refused(&["no time column", "--time-column", "begun, seen"]),
+            Refused(&["no time column", "--time-column NAME, such as 'seen'", "begun, seen"]),
         ),
         form(
             "02/29/2012",
