@@ -9,9 +9,7 @@ use super::part::Part;
 use super::plain::PlainRow;
 use super::remedy;
 use super::rows::Row;
-use super::stamp::{
-    DAY_S, TimeUnit, clock_seconds, cr10_seconds, date_and_clock, date_seconds, has_zone,
-};
+use super::stamp::{TimeUnit, clock_seconds, cr10_seconds, date_and_clock, date_seconds, has_zone};
 use super::timing::{self, Timing};
 
 /// Largest accepted time, s: 31 000 years.
@@ -94,16 +92,13 @@ impl Layout {
     /// # Errors
     /// The rows do not determine it.
     pub fn timing(&self, rows: &[Row], rate_hz: Option<f64>) -> Result<Timing, InputError> {
-        let unit_s = match self.time {
-            TimeCells::Number { unit: TimeUnit::Minute, .. } => 60.0,
-            TimeCells::Number { unit: TimeUnit::Excel, .. } => DAY_S,
-            // In the other forms the last digit is one of seconds.
-            TimeCells::Number { .. }
-            | TimeCells::DateAndClock { .. }
-            | TimeCells::Count { .. }
-            | TimeCells::Cr10 { .. } => 1.0,
+        let unit = match self.time {
+            TimeCells::Number { unit, .. } => unit,
+            TimeCells::DateAndClock { .. } | TimeCells::Count { .. } | TimeCells::Cr10 { .. } => {
+                TimeUnit::Second
+            }
         };
-        timing::find(rows, rate_hz, self.resolution_s, unit_s)
+        timing::find(rows, rate_hz, self.resolution_s, unit)
     }
 
     /// A row from two numbers; `None` if they cannot be a time and a force.
