@@ -79,11 +79,15 @@ pub fn is_row(line: &[u8]) -> bool {
 /// options.
 ///
 /// Without `--array-id`: the only array, or the only one with seconds. Without `--column`: the cell
-/// after the time stamp.
+/// after the time stamp, with a note if it is not the only one.
 ///
 /// # Errors
 /// A choice that the log does not offer, or one that only the user can make.
-pub fn layout(head: &[u8], end: u8, options: &LogOptions) -> Result<Layout, InputError> {
+pub fn layout(
+    head: &[u8],
+    end: u8,
+    options: &LogOptions,
+) -> Result<(Layout, Vec<String>), InputError> {
     let arrays = arrays(head, end);
     let id = choose(&arrays, options.array_id)?;
     let array =
@@ -96,17 +100,33 @@ pub fn layout(head: &[u8], end: u8, options: &LogOptions) -> Result<Layout, Inpu
         return Err(InputError::new(format!("array {id} has no cell behind its time stamp")));
     }
     let seconds = array.seconds.are() && force != SECONDS;
-    Ok(Layout {
+    let unit = options.unit.unwrap_or(Unit::Newton);
+    let note = options.column.is_none().then(|| first_of(force, array.width, unit)).flatten();
+    let layout = Layout {
         separator: b',',
         decimal: Decimal::Point,
         width: None,
         time: TimeCells::Cr10 { seconds },
         force,
-        unit: options.unit.unwrap_or(Unit::Newton),
+        unit,
         record: None,
         array_id: Some(id),
         resolution_s: Some(if seconds { RESOLUTION_S } else { 60.0 }),
         seconds_unsaid: false,
+        part: None,
+    };
+    Ok((layout, note.into_iter().collect()))
+}
+
+/// Note on a force that is the first of several values.
+fn first_of(force: usize, width: usize, unit: Unit) -> Option<String> {
+    (force + 1 < width).then(|| {
+        format!(
+            "column {} of {width}, the first behind the time stamp, is read, as {}: --column takes \
+             another, --unit another unit",
+            force + 1,
+            unit.name()
+        )
     })
 }
 
@@ -187,7 +207,7 @@ mod tests {
         let column = column.map(str::to_string);
         let options = LogOptions { array_id: id, column, ..LogOptions::default() };
         let end = if head.contains(&b'\n') { b'\n' } else { b'\r' };
-        let layout = layout(head, end, &options).map_err(|e| e.to_string())?;
+        let (layout, _) = layout(head, end, &options).map_err(|e| e.to_string())?;
         let TimeCells::Cr10 { seconds } = layout.time else { panic!("not cr10") };
         Ok((layout.array_id.unwrap(), layout.force, seconds))
     }
@@ -235,6 +255,20 @@ mod tests {
         for column in ["0", "4", "7", "force"] {
             assert!(places(MIXED, Some(203), Some(column)).unwrap_err().starts_with("no column"));
         }
+    }
+
+    /// A battery may stand in front of the force.
+    #[test]
+    fn the_first_of_several_values_is_said() {
+        let head = b"7,94,100,1200,0,12.6,5.5\n7,94,100,1200,.125,12.6,5.6\n";
+        let notes = |options: &LogOptions| layout(head, b'\n', options).unwrap().1;
+        let [note] = &notes(&LogOptions::default())[..] else { panic!("one note") };
+        assert!(
+            note.starts_with("column 6 of 7, the first") && note.contains("as N: --column"),
+            "{note}"
+        );
+        let given = LogOptions { column: Some("7".to_string()), ..LogOptions::default() };
+        assert!(notes(&given).is_empty());
     }
 
     #[test]

@@ -54,6 +54,8 @@ pub fn layout(
         let time = if header.width > 1 { "the first column is the time, " } else { "" };
         notes.insert(0, format!("no header: {time}column {} is the force", force + 1));
     }
+    let (part, note) = columns.part_of_second(time, force, decimal).unzip();
+    notes.extend(note);
     let layout = Layout {
         separator: header.separator,
         decimal,
@@ -65,6 +67,7 @@ pub fn layout(
         array_id: None,
         resolution_s: None,
         seconds_unsaid: columns.seconds_unsaid(time, options),
+        part,
     };
     Ok((layout, notes))
 }

@@ -93,7 +93,8 @@ pub fn inspect(path: &str, log: &mut Log) -> Result<Inspection, InputError> {
     let in_text = header.filter(|_| is_text);
     let known =
         |Said { key, value, line }| Known { key, value, line: Some(line).filter(|_| is_text) };
-    let (time_columns, time_unit) = time(layout.time);
+    let (mut time_columns, time_unit) = time(layout.time);
+    time_columns.extend(layout.part.map(|part| part.cell + 1));
     Ok(Inspection {
         schema: SCHEMA,
         path: path.to_string(),

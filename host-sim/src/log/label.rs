@@ -95,6 +95,7 @@ impl Label {
         }
         let says = |unit| is_unit(unit) || is_foreign(unit);
         match name.rsplit_once(['_', ' ', '/']).filter(|(_, unit)| says(unit)) {
+            Some((quantity, _)) if ends_with_size(quantity) => label(name, ""),
             Some((quantity, unit)) => label(quantity.trim_end_matches(" in"), unit),
             None => label(name, ""),
         }
@@ -170,6 +171,13 @@ impl Label {
     }
 }
 
+/// Whether a unit behind this text is that of a number, such as the size of the cell: `Load cell 5 kN`.
+fn ends_with_size(quantity: &str) -> bool {
+    let last = quantity.trim_end().rsplit_once(' ');
+    let is_factor = |before: &str| before.trim_end().ends_with(['x', '×', '*']);
+    last.is_some_and(|(before, last)| finite(last.as_bytes()).is_some() && !is_factor(before))
+}
+
 fn is_unit(text: &str) -> bool {
     TimeUnit::from_label(text).is_some() || Unit::from_label(text).is_some()
 }
@@ -243,6 +251,10 @@ mod tests {
             ("Force kN (x 10)", "force (x 10)", "kN"),
             ("Force_N (kgf)", "force_n", "kgf"),
             ("Time (s),", "time", "s"),
+            ("Load cell 5 kN", "load cell 5 kn", ""),
+            ("S-beam 500 kg", "s-beam 500 kg", ""),
+            ("load_1_kn", "load_1", "kn"),
+            ("Load cell 5 kN [N]", "load cell 5 kn", "N"),
         ];
         for (name, quantity, unit) in table {
             let unit = Some(unit.to_string()).filter(|unit| !unit.is_empty());

@@ -5,12 +5,11 @@ use crate::rounding::counted;
 
 use super::cells::{Cells, text};
 use super::number::{Decimal, Unit, finite, is_thousand, reading, reading_of, thousand};
+use super::part::Part;
 use super::plain::PlainRow;
 use super::remedy;
 use super::rows::Row;
-use super::stamp::{
-    DAY_S, TimeUnit, clock_seconds, cr10_seconds, date_and_clock, date_seconds, has_zone,
-};
+use super::stamp::{TimeUnit, clock_seconds, cr10_seconds, date_and_clock, date_seconds, has_zone};
 use super::timing::{self, Timing};
 
 /// Largest accepted time, s: 31 000 years.
@@ -41,6 +40,8 @@ pub struct Layout {
     pub resolution_s: Option<f64>,
     /// Whether the unit of the time is unstated and assumed to be seconds.
     pub seconds_unsaid: bool,
+    /// Parts of a second beside a time in whole seconds.
+    pub part: Option<Part>,
 }
 
 /// Form of a row's time.
@@ -91,16 +92,13 @@ impl Layout {
     /// # Errors
     /// The rows do not determine it.
     pub fn timing(&self, rows: &[Row], rate_hz: Option<f64>) -> Result<Timing, InputError> {
-        let unit_s = match self.time {
-            TimeCells::Number { unit: TimeUnit::Minute, .. } => 60.0,
-            TimeCells::Number { unit: TimeUnit::Excel, .. } => DAY_S,
-            // In the other forms the last digit is one of seconds.
-            TimeCells::Number { .. }
-            | TimeCells::DateAndClock { .. }
-            | TimeCells::Count { .. }
-            | TimeCells::Cr10 { .. } => 1.0,
+        let unit = match self.time {
+            TimeCells::Number { unit, .. } => unit,
+            TimeCells::DateAndClock { .. } | TimeCells::Count { .. } | TimeCells::Cr10 { .. } => {
+                TimeUnit::Second
+            }
         };
-        timing::find(rows, rate_hz, self.resolution_s, unit_s)
+        timing::find(rows, rate_hz, self.resolution_s, unit)
     }
 
     /// A row from two numbers; `None` if they cannot be a time and a force.
@@ -202,7 +200,20 @@ impl Layout {
         };
         // Larger times leave no room for a fraction of a second.
         let time = time.filter(|time_s| time_s.abs() <= LATEST_S);
-        time.ok_or_else(|| remedy::no_time(text))
+        Ok(time.ok_or_else(|| remedy::no_time(text))? + self.part_s(line, cells)?)
+    }
+
+    fn part_s(&self, line: &[u8], cells: &Cells) -> Result<f64, InputError> {
+        let Some(Part { cell, unit }) = self.part else { return Ok(0.0) };
+        let text = cells.get(line, cell).unwrap_or_default();
+        let part_s = unit.seconds(text, self.decimal).filter(|part_s| (0.0..1.0).contains(part_s));
+        part_s.ok_or_else(|| {
+            InputError::new(format!(
+                "cell {} holds {}, no part of a second; correct the line",
+                cell + 1,
+                excerpt(text)
+            ))
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use super::number::finite;
 
 /// Beginning of such a line, and correct key and value; longer beginnings come first.
-const MEANT: [(&str, &str, &str); 12] = [
+const MEANT: [(&str, &str, &str); 13] = [
     ("weight_std", "weight_std_n", "2"),
     ("slope_std", "slope_std_deg", "0.2"),
     ("zero_std", "zero_std_n", "0.5"),
@@ -11,6 +11,7 @@ const MEANT: [(&str, &str, &str); 12] = [
     ("damping", "damping_std", "0.005"),
     ("winch_std", "winch_std_m_per_s", "0.0002"),
     ("zero_after", "zero_after_n", "1.2"),
+    ("weight_kg", "mass_kg", "64.2"),
     ("weight", "weight_n", "630"),
     ("mass", "mass_kg", "64.2"),
     ("slope", "slope_deg", "1.5"),
@@ -52,6 +53,7 @@ mod tests {
             ("# winch_std: 2", "winch_std_m_per_s: 0.0002"),
             ("# zero_after: 3", "zero_after_n: 1.2"),
             ("# weight-n: 700", "weight_n: 700"),
+            ("# weight_kg: 64", "mass_kg: 64.2"),
         ] {
             let mut metadata = Metadata::default();
             metadata.take(line.as_bytes(), 1).unwrap();

@@ -47,6 +47,7 @@ pub mod open;
 pub mod options;
 pub mod other_forces;
 pub mod other_times;
+pub mod part;
 pub mod plain;
 pub mod rate;
 pub mod remedy;

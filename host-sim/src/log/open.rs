@@ -172,7 +172,8 @@ pub fn begin(
         Format::Toa5 => toa5_layout(&mut lines, &mut metadata, options)?,
         Format::Cr10 => {
             let end = lines.line_end();
-            (cr10::layout(lines.head()?, end, options)?, Recognised::default())
+            let (layout, notes) = cr10::layout(lines.head()?, end, options)?;
+            (layout, Recognised { header: None, notes })
         }
     };
     Ok((Rows::new(lines, layout, metadata), head))

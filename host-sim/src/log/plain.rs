@@ -45,6 +45,7 @@ impl Plain {
             Decimal::Any => 0xFF,
         };
         let other = layout.record.is_some()
+            || layout.part.is_some()
             || layout.array_id.is_some()
             || layout.unit == Unit::Counts
             || [b' ', b'-', mark].contains(&layout.separator);

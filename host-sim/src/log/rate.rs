@@ -7,13 +7,61 @@ use crate::rounding::significant;
 
 use super::clock::Clock;
 use super::metadata::Metadata;
+use super::number::Decimal;
 use super::rows::{Row, Rows};
+use super::stamp::{DAY_S, TimeUnit};
 use super::timing::{RATES_HZ, Timing, median};
 
 /// Smallest number of rows that determine a rate.
 const ENOUGH: usize = 32;
 /// Largest relative difference between the nominal and the actual rate of one clock.
 const NEAR: f64 = 0.02;
+
+/// Error for an invalid rate, with the unit in which it would be valid; `unit`: that of the stamps.
+#[must_use]
+pub fn no_rate(rate_hz: f64, unit: TimeUnit) -> InputError {
+    if matches!(
+        unit,
+        TimeUnit::Millisecond | TimeUnit::Microsecond | TimeUnit::Nanosecond | TimeUnit::Minute
+    ) {
+        return no_rate_in(unit, rate_hz);
+    }
+    let units =
+        [("ms", 1e3), ("us", 1e6), ("ns", 1e9), ("min", 1.0 / 60.0), ("excel", 1.0 / 86_400.0)];
+    let fits = |(_, seconds): &&(&str, f64)| RATES_HZ.contains(&(rate_hz * seconds));
+    let unit = units.iter().find(fits).map_or_else(
+        || "--time-unit, or turn it into seconds".to_string(),
+        |(unit, seconds)| format!("--time-unit; in {unit} they would be {:.3}", rate_hz * seconds),
+    );
+    let is_rate = |unit_s: f64| RATES_HZ.contains(&(rate_hz / unit_s));
+    let hours = Some(rate_hz / 3600.0).filter(|_| is_rate(3600.0) && !is_rate(DAY_S));
+    let in_hours = hours.map_or_else(String::new, |rate_hz| {
+        format!(", in hours {rate_hz:.3}: turn these into seconds")
+    });
+    let thin = if rate_hz > 1.0 { " then thin the log," } else { "" };
+    InputError::new(format!(
+        "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds?{thin} \
+         else give {unit}{in_hours}"
+    ))
+}
+
+/// Error for times in a stated unit, with the unit in which their rate would be valid.
+fn no_rate_in(unit: TimeUnit, rate_hz: f64) -> InputError {
+    use TimeUnit::{Microsecond, Millisecond, Minute, Nanosecond, Second};
+    let size_s = |unit: TimeUnit| unit.seconds(b"1", Decimal::Any).unwrap_or(1.0);
+    let rate_in = |other: TimeUnit| (other, rate_hz * size_s(unit) / size_s(other));
+    let others = [Second, Millisecond, Microsecond, Nanosecond, Minute].map(rate_in);
+    let other = others.into_iter().find(|(_, rate_hz)| RATES_HZ.contains(rate_hz));
+    let would_be = other.map_or_else(String::new, |(other, rate_hz)| {
+        format!("; in {} they would be {rate_hz:.3}", other.name())
+    });
+    let thin = if rate_hz > 1.0 { "thin the log if that is so, else " } else { "" };
+    InputError::new(format!(
+        "the time stamps in {} say {rate_hz:.6} samples per second, not 1 to 2000{would_be}: {thin}correct \
+         the unit where the log or --time-unit says it",
+        unit.name()
+    ))
+}
 
 /// Rejects a given rate with which samples would count as duplicates or gaps. Returns a warning for
 /// one with which many would be missing.

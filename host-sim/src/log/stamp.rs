@@ -6,14 +6,15 @@
 use time::{Date, Month};
 
 use super::number::{Decimal, finite, number};
-use super::timing::RATES_HZ;
-use crate::error::InputError;
 
 /// Seconds in a day.
 pub const DAY_S: f64 = 86_400.0;
 const JULIAN_DAY_1970: i32 = 2_440_588;
 /// Day 0 of a spreadsheet's serial dates (1899-12-30), in days before 1970.
 const EXCEL_DAYS_1970: f64 = 25_569.0;
+/// The same day in MATLAB's serial dates (`datenum`), from which on days are MATLAB's: a spreadsheet's
+/// would be in the year 3800.
+const MATLAB_DAY_0: f64 = 693_960.0;
 
 /// Unit or form of the time column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -37,7 +38,7 @@ pub enum TimeUnit {
     Iso,
     /// Since 1970: seconds, milliseconds or finer, by its size.
     Epoch,
-    /// A spreadsheet's serial date, in days.
+    /// A spreadsheet's serial date, in days; MATLAB's datenum too.
     Excel,
 }
 
@@ -94,31 +95,9 @@ impl TimeUnit {
             Self::Minute => number()? * 60.0,
             Self::Iso => return date_time_seconds(cell),
             Self::Epoch => epoch_seconds(number()?),
-            Self::Excel => (number()? - EXCEL_DAYS_1970) * DAY_S,
+            Self::Excel => serial_seconds(number()?),
         })
     }
-}
-
-/// Error for an invalid rate, with the unit in which it would be valid.
-#[must_use]
-pub fn no_rate(rate_hz: f64) -> InputError {
-    let units =
-        [("ms", 1e3), ("us", 1e6), ("ns", 1e9), ("min", 1.0 / 60.0), ("excel", 1.0 / 86_400.0)];
-    let fits = |(_, seconds): &&(&str, f64)| RATES_HZ.contains(&(rate_hz * seconds));
-    let unit = units.iter().find(fits).map_or_else(
-        || "--time-unit, or turn it into seconds".to_string(),
-        |(unit, seconds)| format!("--time-unit; in {unit} they would be {:.3}", rate_hz * seconds),
-    );
-    let is_rate = |unit_s: f64| RATES_HZ.contains(&(rate_hz / unit_s));
-    let hours = Some(rate_hz / 3600.0).filter(|_| is_rate(3600.0) && !is_rate(DAY_S));
-    let in_hours = hours.map_or_else(String::new, |rate_hz| {
-        format!(", in hours {rate_hz:.3}: turn these into seconds")
-    });
-    let thin = if rate_hz > 1.0 { " then thin the log," } else { "" };
-    InputError::new(format!(
-        "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds?{thin} \
-         else give {unit}{in_hours}"
-    ))
 }
 
 /// Whether seconds counted from 1970 give a day from 1995 to 2052.
@@ -135,6 +114,12 @@ fn epoch_seconds(value: f64) -> f64 {
         1e14..1e17 => value / 1e6,
         _ => value / 1e9,
     }
+}
+
+/// Seconds from a serial date, a spreadsheet's or MATLAB's.
+fn serial_seconds(days: f64) -> f64 {
+    let days = if days < MATLAB_DAY_0 { days } else { days - MATLAB_DAY_0 };
+    (days - EXCEL_DAYS_1970) * DAY_S
 }
 
 /// Seconds from date and time of day: `2012-02-29 12:00:00.0625`, with `T` or a blank in between,
@@ -333,6 +318,7 @@ mod tests {
         assert_eq!(seconds(TimeUnit::Epoch, "1330516800.5"), Some(1_330_516_800.5));
         assert_eq!(seconds(TimeUnit::Epoch, "1330516800500"), Some(1_330_516_800.5));
         assert_eq!(seconds(TimeUnit::Excel, "40968.5"), Some(1_330_516_800.0));
+        assert_eq!(seconds(TimeUnit::Excel, "734928.5"), Some(1_330_516_800.0), "MATLAB");
         assert_eq!(seconds(TimeUnit::Second, "nan"), None);
     }
 

@@ -222,7 +222,7 @@ impl Columns<'_> {
         let rates = |unit_s: f64| RATES_HZ.contains(&(step * unit_s).recip());
         match first {
             8e8..1e20 => self.dated(column, TimeUnit::Epoch, decimal),
-            20_000.0..80_000.0 if !rates(1.0) && rates(86_400.0) => {
+            20_000.0..80_000.0 | 713_960.0..773_960.0 if !rates(1.0) && rates(86_400.0) => {
                 self.dated(column, TimeUnit::Excel, decimal)
             }
             _ if self.numbers_rows(column, decimal) => Err(InputError::new(format!(
@@ -246,7 +246,10 @@ impl Columns<'_> {
         let goes_on = values.windows(2).all(|w| w.first() <= w.last()) && first < last;
         let mut cells = self.cells(column).filter(|cell| !cell.is_empty());
         let are_values = cells.all(|cell| kind(cell) == Kind::Value);
-        are_values && (values.is_empty() || goes_on) && !self.numbers_rows(column, Decimal::Any)
+        // Of dates the first and the last differ, unless they say when the record began.
+        let dates_go_on =
+            values.is_empty() && self.cells(column).next() != self.cells(column).last();
+        are_values && (dates_go_on || goes_on) && !self.numbers_rows(column, Decimal::Any)
     }
 
     /// Whether a column may number the rows, by the first ones.

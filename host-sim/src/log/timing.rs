@@ -9,8 +9,9 @@ use crate::error::InputError;
 use super::beat::beating;
 use super::fine::fine;
 use super::groups::shared;
+use super::rate::no_rate;
 use super::rows::Row;
-use super::stamp::no_rate;
+use super::stamp::{DAY_S, TimeUnit};
 
 /// Rate used if the stamps do not determine it.
 pub const DEFAULT_RATE_HZ: f64 = 16.0;
@@ -51,7 +52,7 @@ pub struct Shared {
 }
 
 /// Determines the timing; `rate_hz` if the user or the log states it, `resolution_s` if the format
-/// has coarse stamps, `unit_s` the unit of the stamps.
+/// has coarse stamps, `unit` that of the stamps.
 ///
 /// # Errors
 /// The time stands still, the stamps do not determine the rate, or the rate is out of [`RATES_HZ`].
@@ -59,8 +60,19 @@ pub fn find(
     rows: &[Row],
     rate_hz: Option<f64>,
     resolution_s: Option<f64>,
-    unit_s: f64,
+    unit: TimeUnit,
 ) -> Result<Timing, InputError> {
+    // In the other forms the last digit is one of seconds.
+    let unit_s = match unit {
+        TimeUnit::Minute => 60.0,
+        TimeUnit::Excel => DAY_S,
+        TimeUnit::Second
+        | TimeUnit::Millisecond
+        | TimeUnit::Microsecond
+        | TimeUnit::Nanosecond
+        | TimeUnit::Iso
+        | TimeUnit::Epoch => 1.0,
+    };
     let times: Vec<f64> = rows.iter().map(|row| row.time_s).collect();
     let start_s = times.first().copied().unwrap_or(0.0);
     let Some(step_s) = median(positive_differences(&times)) else {
@@ -75,7 +87,7 @@ pub fn find(
     if RATES_HZ.contains(&timing.rate_hz) {
         return Ok(timing);
     }
-    Err(no_rate(timing.rate_hz))
+    Err(no_rate(timing.rate_hz, unit))
 }
 
 /// Timing if every stamp is equal: valid for a single sample or for coarse stamps only.
@@ -135,7 +147,7 @@ mod tests {
     }
 
     fn rate(times: impl IntoIterator<Item = f64>) -> f64 {
-        find(&rows(times), None, None, 1.0).unwrap().rate_hz
+        find(&rows(times), None, None, TimeUnit::Second).unwrap().rate_hz
     }
 
     /// Deterministic jitter within ±`most`.
@@ -170,16 +182,17 @@ mod tests {
         let ticks = decimals(100.0, 0.015_625, 4096).map(|t| (t * 1e3).floor() / 1e3);
         assert_eq!(rate(ticks), 100.0);
         let minutes = rows(decimals(16.0, 0.06, 1920));
-        assert_eq!(find(&minutes, None, None, 60.0).unwrap().rate_hz, 16.0);
+        assert_eq!(find(&minutes, None, None, TimeUnit::Minute).unwrap().rate_hz, 16.0);
     }
 
     #[test]
     fn stamps_without_a_whole_group_tell_no_rate() {
         let minutes =
             |rate: f64| (0..800).map(move |i| ((f64::from(i) / rate + 30.0) / 60.0).floor() * 60.0);
-        let error = find(&rows(minutes(10.0)), None, None, 1.0).unwrap_err().to_string();
+        let error =
+            find(&rows(minutes(10.0)), None, None, TimeUnit::Second).unwrap_err().to_string();
         assert!(error.contains("do not tell the rate: give --rate-hz"), "{error}");
-        let cr10 = find(&rows(minutes(16.0)), None, Some(60.0), 1.0).unwrap();
+        let cr10 = find(&rows(minutes(16.0)), None, Some(60.0), TimeUnit::Second).unwrap();
         assert_eq!(cr10.rate_hz, DEFAULT_RATE_HZ);
     }
 
@@ -205,10 +218,11 @@ mod tests {
     #[test]
     fn shared_stamps_are_recognised() {
         let timing =
-            find(&rows((0..200).map(|i| f64::from(i / 2) * 0.125)), None, None, 1.0).unwrap();
+            find(&rows((0..200).map(|i| f64::from(i / 2) * 0.125)), None, None, TimeUnit::Second)
+                .unwrap();
         assert_eq!(timing.rate_hz, 16.0);
         assert_eq!(timing.shared, Some(Shared { step: 2.0, centre: -0.5 }));
-        let minute = find(&rows([0.0; 900]), None, Some(60.0), 1.0).unwrap();
+        let minute = find(&rows([0.0; 900]), None, Some(60.0), TimeUnit::Second).unwrap();
         assert_eq!(minute.shared, Some(Shared { step: 960.0, centre: -480.0 }));
         assert_eq!(rate((0..400).map(|i| (f64::from(i) / 16.0).floor())), 16.0);
         assert_eq!(rate((0..400).map(|i| (f64::from(i) / 1.6).floor() / 10.0)), 16.0);
@@ -224,26 +238,27 @@ mod tests {
             rows
         };
         for changes_from in [4000, 4096] {
-            let found = find(&halves(changes_from), None, None, 1.0).unwrap();
+            let found = find(&halves(changes_from), None, None, TimeUnit::Second).unwrap();
             assert_eq!((found.rate_hz, found.shared.is_some()), (16.0, true), "{changes_from}");
         }
         let mut twice = halves(0);
         twice.iter_mut().zip(0_u16..).for_each(|(row, i)| {
             row.reading = Reading::Force(Newtons(f32::from(i / 2)));
         });
-        assert_eq!(find(&twice, None, None, 1.0).unwrap().rate_hz, 8.0);
-        assert_eq!(find(&twice, None, Some(0.125), 1.0).unwrap().rate_hz, 16.0);
+        assert_eq!(find(&twice, None, None, TimeUnit::Second).unwrap().rate_hz, 8.0);
+        assert_eq!(find(&twice, None, Some(0.125), TimeUnit::Second).unwrap().rate_hz, 16.0);
     }
 
     #[test]
     fn times_that_tell_nothing_are_refused() {
         assert!(
-            find(&rows([2.0; 9]), None, None, 1.0)
+            find(&rows([2.0; 9]), None, None, TimeUnit::Second)
                 .unwrap_err()
                 .to_string()
                 .contains("stands still")
         );
-        let slow = find(&rows((0..9).map(|i| f64::from(i) * 600.0)), None, None, 1.0).unwrap_err();
+        let slow = find(&rows((0..9).map(|i| f64::from(i) * 600.0)), None, None, TimeUnit::Second)
+            .unwrap_err();
         assert!(slow.to_string().contains("0.001667 samples per second"), "{slow}");
     }
 }

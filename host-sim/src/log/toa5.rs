@@ -63,6 +63,7 @@ pub fn layout(
         array_id: None,
         resolution_s: None,
         seconds_unsaid: false,
+        part: None,
     };
     Ok((layout, notes))
 }

@@ -5,7 +5,7 @@ use floe_core::{Config, Counters, Report};
 use super::given;
 use super::known::KnownOptions;
 use super::quantities::Quantities;
-use crate::log::Log;
+use crate::log::{Format, Log, Unit};
 use crate::rounding::plus_minus;
 
 /// Plausible static coefficients on ice; a value outside them suggests a wrong unit or weight.
@@ -30,7 +30,7 @@ pub fn doubts(
     ];
     let doubts = doubts.into_iter().flatten();
     let instead = given::instead(log, config, known);
-    let none = no_force(config, report).or_else(|| cut_off(config, report));
+    let none = no_force(log, config, report).or_else(|| cut_off(log, config, report));
     none.into_iter().chain(instead).chain(doubts).collect()
 }
 
@@ -40,24 +40,33 @@ pub(super) fn has_no_force(samples: u64, rejected: u64, saturated: u64) -> bool 
 }
 
 /// No sample can be used.
-fn no_force(config: &Config, report: &Report) -> Option<String> {
+fn no_force(log: &Log, config: &Config, report: &Report) -> Option<String> {
     let Counters { samples, rejected, saturated, .. } = report.counters;
     has_no_force(samples.into(), rejected.into(), saturated.into()).then(|| {
         format!(
             "no sample is a force: {rejected} of {samples} are no number, {saturated} lie at the end \
              of the cell's range{}",
-            range(config)
+            range(log, config)
         )
     })
 }
 
-fn range(config: &Config) -> String {
-    let said = config.range_n.map(|range| format!(" of {range} N, its 'range_n'"));
-    said.unwrap_or_default()
+fn range(log: &Log, config: &Config) -> String {
+    const MIDDLE: i32 = 1 << 23;
+    let (low, high) = config.calibration.range_counts;
+    match config.range_n {
+        Some(range_n) => format!(" of {range_n} N, its 'range_n'"),
+        None if log.unit() == Unit::Counts && log.format() != Format::Floe && high < MIDDLE => {
+            format!(
+                " or the converter's ({low} to {high}; subtract {MIDDLE} from codes that have their zero near it)"
+            )
+        }
+        None => String::new(),
+    }
 }
 
 /// No slip gives a coefficient, and many samples are saturated.
-fn cut_off(config: &Config, report: &Report) -> Option<String> {
+fn cut_off(log: &Log, config: &Config, report: &Report) -> Option<String> {
     /// Share of saturated samples that is reported: one in 100.
     const MANY: u32 = 100;
     let Counters { samples, saturated, .. } = report.counters;
@@ -66,7 +75,7 @@ fn cut_off(config: &Config, report: &Report) -> Option<String> {
         format!(
             "{saturated} of {samples} samples lie at the end of the cell's range{}: the tops of the \
              slips may hide there, and no such slip gives a coefficient",
-            range(config)
+            range(log, config)
         )
     })
 }

@@ -54,9 +54,9 @@ impl<'a> Gathered<'a> {
         }
     }
 
-    /// Takes the next sample; `observe` sees what the core made of it: a step is long, and stays
-    /// where it is.
-    pub fn take(&mut self, sample: Sample, observe: impl FnOnce(&Step)) {
+    /// Takes the next sample; `read_n`: its force before a zero was taken off. `observe` sees what the
+    /// core made of it: a step is long, and stays where it is.
+    pub fn take(&mut self, sample: Sample, read_n: Option<f32>, observe: impl FnOnce(&Step)) {
         self.timeline.push(sample.raw.index, sample.time_s);
         let next_s = sample.time_s + 0.5 * self.period_s;
         while let Some(mark) = self.winch_marks.next_if(|mark| mark.from_s < next_s) {
@@ -64,7 +64,8 @@ impl<'a> Gathered<'a> {
         }
         let step = self.pipeline.step(sample.raw);
         if let Some(force_n) = step.sample.force_n {
-            self.rails.push(force_n);
+            // The limit is that of the cell, which knows no zero.
+            self.rails.push(read_n.unwrap_or(force_n));
         }
         if step.sample.flag == SampleFlag::Good {
             self.events.recurrence.sample(sample.time_s, self.period_s);

@@ -1,5 +1,6 @@
 //! A recorded log through the core: `floe replay`.
 
+use floe_core::signal::calibrate::Calibrator;
 use floe_core::{Config, Event, Pipeline, Step};
 
 use crate::error::InputError;
@@ -67,14 +68,19 @@ pub fn replay_with(
     let range_n = config.range_n.filter(|_| zero.is_nothing());
     let pipeline = Pipeline::new(&Config { range_n, ..*config }).map_err(InputError::new)?;
     let mut gathered = Gathered::new(config, pipeline, log, keeps_means);
-    let mut take = |sample: Sample| gathered.take(sample, |step| observe(sample.time_s, step));
+    let mut take = |sample: Sample, read_n| {
+        gathered.take(sample, read_n, |step| observe(sample.time_s, step));
+    };
     if zero.is_nothing() {
-        batches::for_each_sample(log, take)?;
+        batches::for_each_sample(log, |sample| take(sample, None))?;
     } else {
         let mut samples = Vec::new();
         batches::for_each_sample(log, |sample| samples.push(sample))?;
+        let calibrator = Calibrator::new(config);
+        let read = |sample: &Sample| calibrator.force_n(sample.raw.reading).ok();
+        let read_n: Vec<Option<f32>> = samples.iter().map(read).collect();
         zero.take_off(&mut samples, config);
-        samples.into_iter().for_each(&mut take);
+        samples.into_iter().zip(read_n).for_each(|(sample, read_n)| take(sample, read_n));
     }
     gathered.result(path, log, &known)
 }

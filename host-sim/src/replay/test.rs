@@ -230,7 +230,7 @@ pub struct Around {
 /// A force in counts without a calibration.
 pub fn calibration(log: &Log, options: &TestOptions) -> Result<Calibration, InputError> {
     let said = log.metadata();
-    let mut calibration = Calibration::default();
+    let calibration = Calibration::default();
     if log.unit() != Unit::Counts {
         let given = options.tare_counts.is_some() || options.counts_per_n.is_some();
         let unit = log.unit().name();
@@ -249,9 +249,16 @@ pub fn calibration(log: &Log, options: &TestOptions) -> Result<Calibration, Inpu
              that is not zero"
         )));
     }
-    calibration.tare_counts = tare_counts;
-    calibration.counts_per_n = span as f32;
-    Ok(calibration)
+    let range_counts = range_counts(tare_counts, calibration.range_counts);
+    Ok(Calibration { tare_counts, counts_per_n: span as f32, range_counts })
+}
+
+/// Codes of the converter: those of 24 bits with a sign, unless the one at zero force is beyond them;
+/// then of 24 bits from 0 on, as the HX711's data sheet reads them, else of 32 bits.
+fn range_counts(tare_counts: i32, signed: (i32, i32)) -> (i32, i32) {
+    const UNSIGNED: (i32, i32) = (0, (1 << 24) - 1);
+    let holds = |range: &(i32, i32)| (range.0..range.1).contains(&tare_counts);
+    [signed, UNSIGNED].into_iter().find(holds).unwrap_or((i32::MIN, i32::MAX))
 }
 
 fn no_counts(unit: &str) -> InputError {

@@ -127,14 +127,18 @@ pub(super) fn neighbours(
 }
 
 /// Times before the onset and after the re-stick for which an event's fit is used, s: half-way to
-/// its neighbours, or the time of its own rest.
+/// its neighbours, or the time of its own rest; no longer than the force takes from zero to `Fs`, since
+/// over a gap or a pause of the winch no line holds.
 pub(super) fn reach_s(events: &[EventSummary], position: usize) -> (f64, f64) {
     let Some(event) = events.get(position) else { return (0.0, 0.0) };
     let (before, after) = neighbours(events, position);
     let since_s = before.map(|before| (event.onset_s - before.stop_s) / 2.0);
     let until_s = after.map(|after| (after.onset_s - event.stop_s) / 2.0);
     let alone_s = rest_s(event);
-    (since_s.unwrap_or(alone_s).max(0.0), until_s.unwrap_or(alone_s).max(0.0))
+    let rise_n = event.static_force_n.max(event.static_force_n - event.restick_force_n);
+    let longest_s = Some(rise_n / event.loading_rate_n_per_s).filter(|longest_s| *longest_s > 0.0);
+    let within = |time_s: f64| time_s.min(longest_s.unwrap_or(alone_s)).max(0.0);
+    (within(since_s.unwrap_or(alone_s)), within(until_s.unwrap_or(alone_s)))
 }
 
 /// The model's force at a moment, N; NaN where the model gives none: after a slack cable.
@@ -200,6 +204,18 @@ mod tests {
         let [_, end] = line_after(event, after_s)[..] else { panic!("a line has two ends") };
         assert!((model_n(event, start.0) - start.1).abs() < 1e-9);
         assert!((model_n(event, end.0) - end.1).abs() < 1e-9);
+    }
+
+    #[test]
+    fn over_a_gap_a_line_goes_no_further_than_to_zero_force() {
+        let mut events = SampleLog::dff8_13(30.0).result.events.kept;
+        for event in events.iter_mut().skip(3) {
+            (event.onset_s, event.stop_s) = (event.onset_s + 3000.0, event.stop_s + 3000.0);
+        }
+        let start = line_before(&events[3], reach_s(&events, 3).0)[0];
+        assert!(start.1 > -1.0 && start.0 > 3000.0, "{start:?}");
+        let end = line_after(&events[2], reach_s(&events, 2).1)[1];
+        assert!(end.1 < 2.0 * events[2].static_force_n && end.0 < 30.0, "{end:?}");
     }
 
     #[test]

@@ -77,6 +77,22 @@ impl Recorder {
         lost.map(move |(i, _)| start_s + i as f64 * step_s)
     }
 
+    /// Stretches in which no bucket has a force: from and to, s.
+    pub(super) fn gaps_s(&self) -> Vec<(f64, f64)> {
+        let start_s = self.span_s().map_or(0.0, |span| span.0);
+        let time_s = |i: usize| start_s + (i as u64 * self.envelope.width()) as f64 * self.period_s;
+        let mut next = 0;
+        let mut gaps = Vec::new();
+        for run in self.envelope.buckets().chunk_by(|a, b| (a.used == 0) == (b.used == 0)) {
+            let from = next;
+            next += run.len();
+            if run.iter().all(|bucket| bucket.used == 0) {
+                gaps.push((time_s(from), time_s(next)));
+            }
+        }
+        gaps
+    }
+
     /// Smallest and largest force, N.
     pub(super) fn range_n(&self) -> Option<(f64, f64)> {
         let used = self.envelope.buckets().iter().filter(|b| b.used > 0);

@@ -42,14 +42,17 @@ fn shade_rest(context: &Context<'_>, plot: &mut Plot, (mut from, to): (f64, f64)
     plot.shade("stick", from, to);
 }
 
-/// Stretches in which the block may slide, in order: a constant force, unless the winch was held, and
-/// falls that are not slips.
+/// Stretches in which the block may slide, in order: a constant force, unless the winch was held,
+/// falls that are not slips, and gaps in which a slip finds room.
 pub(super) fn unclear(context: &Context<'_>) -> Vec<(f64, f64)> {
     let stretches = &context.result.stretches;
     let steady = stretches.steady.iter().filter(|it| it.moving != Some(false));
     let steady = steady.map(|it| (it.start_s, it.stop_s));
     let others = stretches.not_understood.iter().map(|it| (it.start_s, it.stop_s));
-    let mut all: Vec<_> = steady.chain(others).collect();
+    let slip_s = context.result.events.first().map_or(0.0, |event| event.slip_s);
+    let gaps = context.recorder.gaps_s();
+    let gaps = gaps.into_iter().filter(|(from_s, to_s)| to_s - from_s > slip_s);
+    let mut all: Vec<_> = steady.chain(others).chain(gaps).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     all
 }
@@ -113,6 +116,30 @@ mod tests {
     use super::*;
     use crate::replay::stretches::SteadySummary;
 
+    /// Width that is tinted as rest.
+    fn tinted_px(log: &SampleLog) -> f64 {
+        let recorder = log.recorder();
+        let figure = history(&Context::new(&log.result, &recorder), None).unwrap();
+        let width = |tint: &str| {
+            let width = tint.split("width=\"").nth(1).unwrap().split('"').next().unwrap();
+            width.parse::<f64>().unwrap()
+        };
+        let tints = figure.drawings[0][0].split("<rect ");
+        tints.filter(|it| it.starts_with("class=\"stick\"")).map(width).sum::<f64>()
+    }
+
+    /// What the block did where samples are missing is not known.
+    #[test]
+    fn a_gap_is_no_rest() {
+        let mut log = SampleLog::dff8_13(60.0);
+        log.result.events.kept.retain(|event| event.stop_s < 30.0);
+        let whole = tinted_px(&log);
+        log.times_s.drain(512..832);
+        log.steps.drain(512..832);
+        let less = whole - tinted_px(&log);
+        assert!((350.0..380.0).contains(&less), "20 of 60 s: {less}");
+    }
+
     /// A block that may slide is not tinted as one at rest, whether slips are drawn one by one or
     /// not.
     #[test]
@@ -128,16 +155,6 @@ mod tests {
                 std: 0.001,
                 moving,
                 sliding: (0.78, 0.001),
-            };
-            let tinted_px = |log: &SampleLog| {
-                let recorder = log.recorder();
-                let figure = history(&Context::new(&log.result, &recorder), None).unwrap();
-                let width = |tint: &str| {
-                    let width = tint.split("width=\"").nth(1).unwrap().split('"').next().unwrap();
-                    width.parse::<f64>().unwrap()
-                };
-                let tints = figure.drawings[0][0].split("<rect ");
-                tints.filter(|it| it.starts_with("class=\"stick\"")).map(width).sum::<f64>()
             };
             log.result.stretches.steady = vec![steady(Some(false))];
             let held = tinted_px(&log);

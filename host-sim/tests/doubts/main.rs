@@ -163,6 +163,11 @@ fn a_limit_that_the_log_does_not_name_is_asked_about() {
             let said = json_with_warnings(&floe(&["replay", path, "--json"]));
             assert!(said.contains(&format!("--range-n {limit_n},")), "{log} {percent} %: {said}");
         }
+        // The limit is that of the cell, whatever its zero.
+        let zeros = ["--zero-before-n", "-20", "--zero-after-n", "35"];
+        let said = json_with_warnings(&floe(&[&["replay", path, "--json"], &zeros[..]].concat()));
+        let limit_n = (largest_n * 98.0).round() / 100.0;
+        assert!(said.contains(&format!("--range-n {limit_n},")), "{log}: {said}");
         let refused = floe(&["replay", path, "--range-n", "400", "--json"]);
         let refused: serde_json::Value = serde_json::from_slice(&refused.stdout).unwrap();
         assert_eq!(refused["estimate"]["events"], 0);
@@ -245,6 +250,36 @@ fn a_record_without_an_event_that_counts_says_why_and_no_more() {
     let refused = json["events"].as_array().unwrap().len();
     assert!(said.contains(&format!("0 of {refused} events count\n       ")), "{said}");
     assert!(said.contains(" not counted: ") && !said.contains("shows "), "{said}");
+}
+
+/// The code of the HX711's data sheet gives zero force as 8388608.
+#[test]
+fn codes_around_8388608_are_read_or_the_remedy_is_said() {
+    let path = directory("codes").join("codes.csv");
+    let log = fs::read_to_string("logs/dff8-13.csv").unwrap();
+    let (head, rows) = log.split_once("time_s,force_n\n").unwrap();
+    let replayed = |zero: i32, tare: i32| {
+        let code = |row: &str| {
+            let (time_s, force_n) = row.split_once(',').unwrap();
+            let counts = (force_n.parse::<f64>().unwrap() * 812.5).round() as i32;
+            format!("{time_s},{}\n", zero + counts)
+        };
+        let rows = rows.lines().map(code).collect::<String>();
+        let text =
+            format!("{head}# tare_counts: {tare}\n# counts_per_n: 812.5\ntime_s,counts\n{rows}");
+        fs::write(&path, text).unwrap();
+        let output = floe(&["replay", path.to_str().unwrap(), "--json"]);
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()
+    };
+    let signed = replayed(4120, 4120);
+    assert_eq!(signed["estimate"]["events"], 66);
+    for zero in [8_388_608 + 4120, 100_000_000] {
+        let other = replayed(zero, zero);
+        assert_eq!(other["estimate"], signed["estimate"], "{zero}");
+        assert_eq!(other["log"]["saturated"], 0);
+    }
+    let below = replayed(8_388_608 - 4120, 8_388_608 - 4120)["log"]["warnings"].to_string();
+    assert!(below.contains("subtract 8388608 from codes that have their zero near it"), "{below}");
 }
 
 /// A log without forces is distinguished from a log without slips.

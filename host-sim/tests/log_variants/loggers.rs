@@ -1,5 +1,7 @@
 //! Formats of the software of loggers, testing machines and statistics.
 
+use floe::log::stamp::TimeUnit;
+
 use super::Expected::{Noted, Refused, Same};
 use super::{Form, clock, form, plain, table, toa5};
 
@@ -181,6 +183,24 @@ pub fn times() -> Vec<Form> {
             since("time", 1.0 / 86_400.0, 55_986.4),
             Refused(&["begin in 2053 if they are a spreadsheet's days: give --time-unit excel if"]),
         ),
+        form(
+            "secs, nsecs",
+            table("secs,nsecs,force_n\n", |t, f| {
+                format!("{},{},{f}", super::NOON + t.floor(), t.fract() * 1e9)
+            }),
+            Noted("column 'nsecs' is read as the ns within the seconds of column 'secs'"),
+        ),
+        form(
+            "a date in seconds, ms",
+            table("Time;ms;Force (N)\n", |t, f| {
+                format!("2012-02-29 12:00:{:02};{:.0};{f}", t.floor(), (t.fract() * 1e3).floor())
+            }),
+            Noted("is read as the ms within the seconds"),
+        ),
+        form("MATLAB's datenum", since("time", 1.0 / 86_400.0, 734_928.5), Same),
+        form("MATLAB's datenum, said", since("when", 1.0 / 86_400.0, 734_928.5), Same).with(|o| {
+            (o.time_column, o.time_unit) = (Some("when".to_string()), Some(TimeUnit::Excel));
+        }),
         form(
             "LabVIEW without times",
             table("X_Value\tForce (N)\tComment\n", |_, f| format!("\t{f}")),

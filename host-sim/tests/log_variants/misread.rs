@@ -155,6 +155,17 @@ pub fn ends() -> Vec<Form> {
             Refused(&["'Force x 10 N' holds a factor: write the forces themselves"]),
         ),
         form(
+            "Load cell 5 kN",
+            table("time_s,Load cell 5 kN\n", |t, f| format!("{t},{f}")),
+            Refused(&["give --column NAME; there are: time_s, Load cell 5 kN"]),
+        ),
+        form(
+            "Load cell 5 kN, --column",
+            table("time_s,Load cell 5 kN\n", |t, f| format!("{t},{f}")),
+            Refused(&["'Load cell 5 kN' holds 'kN': give the unit, --unit"]),
+        )
+        .with(|o| o.column = Some("2".to_string())),
+        form(
             "two channels of numbers without a time",
             table("Sample,Force (N),Temp (C)\n", |t, f| format!("{},{f},-12.1", 16.0 * t)),
             Refused(&["t or time): give --rate-hz R for rows without a time; there are"]),

@@ -95,6 +95,15 @@ pub fn time_forms() -> Vec<Form> {
             o.time_unit = Some(TimeUnit::Millisecond);
         }),
         form("milliseconds, unsaid", named("time", 1e3), Refused(&["--time-unit"])),
+        form(
+            "Time [ms] in seconds",
+            named("Time [ms]", 1.0),
+            Refused(&[
+                "time stamps in ms say 16000.",
+                "in s they would be 16.000",
+                "else correct the unit",
+            ]),
+        ),
         form("hours", named("Time [h]", 1.0 / 3600.0), Refused(&["'h'", "--time-unit"])),
         form(
             "unit against --time-unit",
@@ -139,7 +148,7 @@ pub fn time_forms() -> Vec<Form> {
         form(
             "two columns of dates",
             table("begun;seen;Force [N]\n", |t, f| format!("{};{};{f}", iso(0.0), iso(t))),
-            Refused(&["no time column", "--time-column", "begun, seen"]),
+            Refused(&["no time column", "--time-column NAME, such as 'seen'", "begun, seen"]),
         ),
         form(
             "02/29/2012",

@@ -31,6 +31,29 @@ fn a_given_rate_stands_over_the_stamps() {
     assert_eq!(indices(&samples(&mut log).unwrap()), [0, 2, 4]);
 }
 
+/// With the seconds alone a lost row would be a gap somewhere in its second.
+#[test]
+fn parts_of_a_second_in_their_own_column_say_where_rows_are_lost() {
+    let kept: Vec<u32> = (0..400).filter(|row| row % 37 != 5 && row % 41 != 7).collect();
+    let ros = |row: u32| format!("{},{}", 1_330_516_800 + row / 16, row % 16 * 62_500_000);
+    let date = |row: u32| format!("2012-02-29 12:00:{:02},{}", row / 16, row % 16 * 125 / 2);
+    let clock = |row: u32| format!("29.02.2012,12:00:{:02},{}", row / 16, row % 16 * 62_500);
+    let forms: [(&str, &dyn Fn(u32) -> String); 3] =
+        [("secs,nsecs", &ros), ("Time,msec", &date), ("Date,Time,us", &clock)];
+    for (names, time) in forms {
+        let row = |row: &u32| format!("{},{}\n", time(*row), row % 97);
+        let text = format!("{names},force_n\n{}", kept.iter().map(row).collect::<String>());
+        let (log, placed) = read(&text);
+        assert_eq!(indices(&placed), kept, "{names}");
+        let [note] = &log.warnings()[..] else { panic!("{:?}", log.warnings()) };
+        assert!(note.contains("within the seconds of column"), "{note}");
+        let wrong = text.replacen(&time(300), &time(300).replace(",750", ",7500000"), 1);
+        let log = open(wrong.as_bytes(), &LogOptions::default());
+        let error = log.and_then(|mut log| samples(&mut log)).unwrap_err();
+        assert!(error.contains("no part of a second; correct the line"), "{names}: {error}");
+    }
+}
+
 #[test]
 fn jitter_within_half_a_period_makes_neither_gaps_nor_duplicates() {
     let mut state = 1_u64;
