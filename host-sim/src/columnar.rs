@@ -35,6 +35,18 @@ pub(crate) fn texts<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<ByteArray> 
     texts.map(value).collect()
 }
 
+/// Values of the rows that have one, and 1 for each of those, 0 for each other row.
+pub(crate) fn known<T>(rows: impl ExactSizeIterator<Item = Option<T>>) -> (Vec<T>, Vec<i16>) {
+    let mut values = Vec::with_capacity(rows.len());
+    let level = |value: Option<T>| {
+        let is_known = value.is_some();
+        values.extend(value);
+        i16::from(is_known)
+    };
+    let levels = rows.map(level).collect();
+    (values, levels)
+}
+
 /// Writes the next column of a group; `levels` is 0 where a row has no value; `None`: all rows have
 /// one.
 pub(crate) fn write<T: DataType>(

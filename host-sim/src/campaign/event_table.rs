@@ -206,9 +206,7 @@ fn write_column(
             columnar::write::<DoubleType>(group, &values, None)
         }
         Maybe(of) => {
-            let levels: Vec<i16> = rows.clone().map(|r| i16::from(of(r).is_some())).collect();
-            let mut values = Vec::with_capacity(levels.len());
-            values.extend(rows.filter_map(of));
+            let (values, levels) = columnar::known(rows.map(of));
             columnar::write::<DoubleType>(group, &values, Some(&levels))
         }
         Truth(of) => {
@@ -217,8 +215,8 @@ fn write_column(
         }
         Text(of) => columnar::write::<ByteArrayType>(group, &columnar::texts(rows.map(of)), None),
         MaybeText(of) => {
-            let levels: Vec<i16> = rows.clone().map(|r| i16::from(of(r).is_some())).collect();
-            let values = columnar::texts(rows.filter_map(of));
+            let (texts, levels) = columnar::known(rows.map(of));
+            let values = columnar::texts(texts.into_iter());
             columnar::write::<ByteArrayType>(group, &values, Some(&levels))
         }
     }

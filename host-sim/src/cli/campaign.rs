@@ -1,10 +1,10 @@
 //! `floe campaign`: trends over many tests.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::time::{Duration, Instant};
 
-use rayon::prelude::*;
+use rayon::ScopeFifo;
 
 use crate::campaign::event_table::EventTable;
 use crate::campaign::manifest;
@@ -20,8 +20,10 @@ use super::json::Json;
 use super::output::{self, Older};
 use super::progress;
 
-/// Tests that are computed before their events are written.
-const CHUNK: usize = 256;
+/// Most tests that a thread computes before it hands them over.
+const PIECE: u64 = 16;
+/// Pieces that are computed, or wait to be written; bounds the memory.
+const AHEAD: usize = 32;
 
 /// Evaluate many tests: means, trends against weight, pull rate and snow
 #[derive(Clone, Debug, clap::Args)]
@@ -263,9 +265,9 @@ fn in_order<E: From<InputError>>(
     let stop = args.strict || args.logs.is_none();
     let mut left_out = Vec::new();
     std::thread::scope(|scope| {
-        let (sender, chunks) = sync_channel(1);
-        scope.spawn(move || pool.install(|| send_all(source, &sender)));
-        for test in chunks.into_iter().flatten() {
+        let (sender, pieces) = sync_channel(AHEAD);
+        scope.spawn(move || pool.in_place_scope_fifo(|pool| start_all(source, pool, &sender)));
+        for test in pieces.into_iter().flatten().flatten() {
             bar.inc(1);
             match test {
                 Ok(test) => take(test)?,
@@ -280,12 +282,23 @@ fn in_order<E: From<InputError>>(
     })
 }
 
-fn send_all(source: &Source, sender: &SyncSender<Vec<Evaluated>>) {
-    for first in (0..source.len()).step_by(CHUNK) {
-        let numbers = first..(first + CHUNK as u64).min(source.len());
-        let tests = numbers.into_par_iter().map(|i| source.evaluate(i)).collect();
-        // After an error the receiver is gone.
-        if sender.send(tests).is_err() {
+/// Starts piece after piece, in order, as far ahead as `pieces` has room.
+fn start_all<'a>(
+    source: &'a Source,
+    pool: &ScopeFifo<'a>,
+    pieces: &SyncSender<Receiver<Vec<Evaluated>>>,
+) {
+    let tests = source.len();
+    // Of a few logs each is a piece: one may take as long as all others.
+    let size = tests.div_ceil(AHEAD as u64 * PIECE).clamp(1, PIECE);
+    for first in (0..tests).step_by(size as usize) {
+        let (sender, piece) = channel();
+        let numbers = first..(first + size).min(tests);
+        pool.spawn_fifo(move |_| {
+            // After an error the receiver is gone.
+            let _ = sender.send(numbers.map(|number| source.evaluate(number)).collect());
+        });
+        if pieces.send(piece).is_err() {
             return;
         }
     }

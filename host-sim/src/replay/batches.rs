@@ -1,47 +1,73 @@
-//! Reads a log ahead on a second thread, in batches of samples.
+//! Reads ahead on a second thread, in batches.
 
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{SyncSender, sync_channel};
 
 use crate::error::InputError;
 use crate::log::{Log, Sample};
 
-/// Samples handed over at once: enough that the cost of the hand-over is negligible.
-const BATCH: usize = 4096;
+/// Bytes handed over at once: enough that the cost of the hand-over is negligible.
+const BATCH: usize = 96 << 10;
 /// Batches read ahead; bounds the memory.
 const AHEAD: usize = 4;
 
-type Batch = Result<Vec<Sample>, InputError>;
+/// Number of values in a batch.
+pub const fn room<T>() -> usize {
+    BATCH / size_of::<T>()
+}
 
-/// Passes every sample of a log to `take` while a second thread reads on; a log of less than one
-/// batch needs no thread.
+/// Passes every sample of a log to `take` while a second thread reads on.
 ///
 /// # Errors
 /// A line of the log cannot be used; the samples before it have been passed on.
 pub fn for_each_sample(log: &mut Log, mut take: impl FnMut(Sample)) -> Result<(), InputError> {
-    let mut first = Vec::with_capacity(BATCH);
-    let end = fill(log, &mut first);
-    let goes_on = first.len() == BATCH;
-    first.into_iter().for_each(&mut take);
+    let take = |sample| {
+        take(sample);
+        Ok(())
+    };
+    for_each(|batch| fill(log, batch), take)
+}
+
+fn fill(log: &mut Log, batch: &mut Vec<Sample>) -> Result<(), InputError> {
+    while batch.len() < room::<Sample>() {
+        let Some(sample) = log.next_sample()? else { break };
+        batch.push(sample);
+    }
+    Ok(())
+}
+
+/// Passes everything that `fill` puts into batches, the last of which has room left, to `take`,
+/// while a second thread fills the next; a single batch needs no thread.
+///
+/// # Errors
+/// Of `fill`, after what came before has been passed on; or of `take`.
+pub fn for_each<T: Send, E: Send>(
+    mut fill: impl FnMut(&mut Vec<T>) -> Result<(), E> + Send,
+    mut take: impl FnMut(T) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut first = Vec::with_capacity(room::<T>());
+    let end = fill(&mut first);
+    let goes_on = first.len() == room::<T>();
+    first.into_iter().try_for_each(&mut take)?;
     end?;
     if !goes_on {
         return Ok(());
     }
     std::thread::scope(|scope| {
-        let (sender, receiver): (_, Receiver<Batch>) = sync_channel(AHEAD);
-        scope.spawn(move || send_all(log, &sender));
-        for batch in receiver {
-            batch?.into_iter().for_each(&mut take);
-        }
-        Ok(())
+        let (sender, batches) = sync_channel::<Result<Vec<T>, E>>(AHEAD);
+        scope.spawn(move || send_all(fill, &sender));
+        batches.into_iter().try_for_each(|batch| batch?.into_iter().try_for_each(&mut take))
     })
 }
 
-fn send_all(log: &mut Log, sender: &SyncSender<Batch>) {
+fn send_all<T, E>(
+    mut fill: impl FnMut(&mut Vec<T>) -> Result<(), E>,
+    sender: &SyncSender<Result<Vec<T>, E>>,
+) {
     loop {
-        let mut batch = Vec::with_capacity(BATCH);
-        let end = fill(log, &mut batch);
+        let mut batch = Vec::with_capacity(room::<T>());
+        let end = fill(&mut batch);
         // After an error the receiver is gone and nothing is left to do.
-        let goes_on = batch.len() == BATCH && end.is_ok();
+        let goes_on = batch.len() == room::<T>() && end.is_ok();
         if sender.send(Ok(batch)).is_err() || !goes_on {
             if let Err(error) = end {
                 let _ = sender.send(Err(error));
@@ -51,18 +77,12 @@ fn send_all(log: &mut Log, sender: &SyncSender<Batch>) {
     }
 }
 
-fn fill(log: &mut Log, batch: &mut Vec<Sample>) -> Result<(), InputError> {
-    while batch.len() < BATCH {
-        let Some(sample) = log.next_sample()? else { break };
-        batch.push(sample);
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::log::LogOptions;
+
+    const BATCH: usize = room::<Sample>();
 
     fn taken(rows: usize, tail: &str) -> (usize, Result<(), InputError>) {
         let row = |i: usize| format!("{},{i}\n", i as f64 / 16.0);

@@ -10,6 +10,7 @@ use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
 use tempfile::SpooledTempFile;
 
+use super::batches;
 use super::quantities::Quantities;
 use super::recurrence::Recurrence;
 use super::result::{CoefficientSummary, EventSummary};
@@ -178,27 +179,38 @@ impl Events {
     ///
     /// # Errors
     /// The file cannot be read, or what `take` said.
-    pub fn for_each(&self, mut take: impl FnMut(EventSummary) -> io::Result<()>) -> io::Result<()> {
-        self.for_each_as_kept(|mut event| {
-            self.complete(&mut event);
-            take(event)
-        })
+    pub fn for_each(&self, take: impl FnMut(EventSummary) -> io::Result<()>) -> io::Result<()> {
+        self.for_each_with(|event| self.complete(event), take)
     }
 
     /// Every event as it was kept, without what needs the whole test.
     pub(super) fn for_each_as_kept(
         &self,
-        mut take: impl FnMut(EventSummary) -> io::Result<()>,
+        take: impl FnMut(EventSummary) -> io::Result<()>,
+    ) -> io::Result<()> {
+        self.for_each_with(|_| {}, take)
+    }
+
+    /// Reads events and completes them, ahead of `take`.
+    fn for_each_with(
+        &self,
+        complete: impl Fn(&mut EventSummary) + Sync,
+        take: impl FnMut(EventSummary) -> io::Result<()>,
     ) -> io::Result<()> {
         let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
         all.flush()?;
         let file = all.get_mut();
         file.rewind()?;
-        let mut bytes = Bytes::new(file);
-        for _ in 0..self.found() {
-            take(bytes.next_event()?)?;
-        }
-        Ok(())
+        let (mut bytes, mut left) = (Bytes::new(file), 0..self.found());
+        let fill = |batch: &mut Vec<EventSummary>| {
+            for _ in left.by_ref().take(batches::room::<EventSummary>()) {
+                let mut event = bytes.next_event()?;
+                complete(&mut event);
+                batch.push(event);
+            }
+            Ok(())
+        };
+        batches::for_each(fill, take)
     }
 }
 

@@ -258,8 +258,7 @@ fn maybe(
     rows: &[SampleRow],
     of: fn(&SampleRow) -> Option<f32>,
 ) -> ParquetResult<()> {
-    let levels: Vec<i16> = rows.iter().map(|row| i16::from(of(row).is_some())).collect();
-    let values: Vec<f32> = rows.iter().filter_map(of).collect();
+    let (values, levels) = columnar::known(rows.iter().map(of));
     columnar::write::<FloatType>(group, &values, Some(&levels))
 }
 

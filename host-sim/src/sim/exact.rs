@@ -12,11 +12,10 @@ use super::state::{End, Mechanics, Phase, State};
 use super::step::Step;
 
 /// A piece of motion in closed form.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "a step is made once and copied once")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
-    /// A step of the numerical integrator, not in closed form.
-    Step(Step),
+    /// A step of the numerical integrator, not in closed form; boxed because of its size.
+    Step(Box<Step>),
     /// `F = F0 + k w t`, the block at rest.
     Line {
         /// `k w`, N/s.
@@ -77,13 +76,13 @@ impl Motion {
     #[must_use]
     pub fn force_n(&self, from: &State, t: f64) -> f64 {
         match *self {
+            Self::Step(ref step) => step.state(from, t).force_n,
             Self::Line { rate_n_per_s } => from.force_n + rate_n_per_s * t,
             Self::Ellipse { centre_n, cosine_n, sine_n, omega_rad_per_s, .. } => {
                 let (sin, cos) = (omega_rad_per_s * t).sin_cos();
                 centre_n + cosine_n * cos + sine_n * sin
             }
             Self::Slack { .. } => 0.0,
-            Self::Step(step) => step.state(from, t).force_n,
         }
     }
 

@@ -45,7 +45,7 @@ impl std::fmt::Display for Method {
 }
 
 /// A phase of motion, or a part of one, with its two ends.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Segment {
     /// State of block and cable.
     pub phase: Phase,
@@ -87,12 +87,12 @@ impl Segment {
     #[must_use]
     pub fn peak_force_n(&self) -> f64 {
         let ends = self.from.force_n.max(self.to.force_n);
-        match self.motion {
+        match &self.motion {
             // The top of the ellipse is still ahead while the force rises.
             Motion::Ellipse { centre_n, cosine_n, sine_n, .. }
-                if cosine_n >= 0.0 && sine_n > 0.0 =>
+                if *cosine_n >= 0.0 && *sine_n > 0.0 =>
             {
-                ends.max(centre_n + cosine_n.hypot(sine_n))
+                ends.max(centre_n + cosine_n.hypot(*sine_n))
             }
             Motion::Step(step) => ends.max(step.peak_force_n(self.to.time_s - self.from.time_s)),
             Motion::Ellipse { .. } | Motion::Line { .. } | Motion::Slack { .. } => ends,
@@ -199,7 +199,7 @@ impl Segments {
             mechanics: physics.mechanics(at),
             partial: physics.pair().partial,
             smooth_onset: physics.has_smooth_onset(),
-            motion: Motion::Step(advance.step),
+            motion: Motion::Step(Box::new(advance.step)),
             mean_resistance_n: advance.mean_resistance_n,
             mean_mu: advance.mean_mu,
         })
@@ -208,7 +208,7 @@ impl Segments {
     fn compute(&mut self) -> Result<Segment, String> {
         if let Some(swing) = &mut self.swing {
             let (step, to) = swing.advance(&self.state)?;
-            let motion = Motion::Step(step);
+            let motion = Motion::Step(Box::new(step));
             return Ok(Segment { to, end: End::Continue, motion, ..self.closed_form() });
         }
         match self.method {

@@ -95,7 +95,8 @@ impl Run {
         let taken_s = (true_s + delay_s).max(0.0);
         self.signal.cover(true_s.min(taken_s), true_s.max(taken_s) + self.aperture_s, meet);
         let (true_force_n, phase) = self.signal.force_n(true_s);
-        let seen_n = self.signal.seen_n(taken_s);
+        let is_true = delay_s == 0.0 && self.signal.is_seen_as_it_is();
+        let seen_n = if is_true { true_force_n } else { self.signal.seen_n(taken_s) };
         let force_n = self.converter.read_n(seen_n, true_s);
         Sample { index, time_s, force_n, true_force_n, phase }
     }

@@ -40,8 +40,16 @@ impl Signal {
 
     /// Loads the segments from `start_s` to `end_s`, drops earlier ones, and passes each new one to
     /// `meet`.
-    pub(super) fn cover(&mut self, start_s: f64, end_s: f64, mut meet: impl FnMut(&Segment)) {
+    pub(super) fn cover(&mut self, start_s: f64, end_s: f64, meet: impl FnMut(&Segment)) {
         let start_s = self.lag.map_or(start_s, |lag| start_s.min(lag.at_s));
+        let ends_before = |segment: Option<&Segment>, s| segment.is_none_or(|it| it.to.time_s < s);
+        if ends_before(self.window.first(), start_s) || ends_before(self.window.last(), end_s) {
+            self.load(start_s, end_s, meet);
+        }
+    }
+
+    #[inline(never)]
+    fn load(&mut self, start_s: f64, end_s: f64, mut meet: impl FnMut(&Segment)) {
         let past = self.window.iter().take_while(|s| s.to.time_s < start_s).count();
         if past > 0 {
             self.window.drain(..past);
@@ -65,6 +73,11 @@ impl Signal {
     /// Force in the cable, N, and state of the block.
     pub(super) fn force_n(&self, time_s: f64) -> (f64, Phase) {
         self.at(time_s).map_or((0.0, Phase::Stick), |s| (s.force_n(time_s), s.phase))
+    }
+
+    /// Whether the converter sees just the force in the cable.
+    pub(super) fn is_seen_as_it_is(&self) -> bool {
+        self.flop.is_none() && self.hum.is_none() && self.lag.is_none() && self.aperture_s <= 0.0
     }
 
     /// Input of the converter at a time, N: mean over the aperture from that time on.
