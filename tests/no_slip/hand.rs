@@ -91,3 +91,35 @@ fn a_cable_let_go_evenly_gives_no_coefficient() {
         assert!(coefficients * 20 < released, "{fall_s} {slack_s} {coefficients} of {released}");
     }
 }
+
+/// Wound up in some seconds and let go from the top at once, without a hold, slack for some seconds:
+/// at most one release in twenty has a coefficient, and one in eight if a winch speed is stated that
+/// fits the hand's by chance.
+#[test]
+fn a_cable_wound_up_and_let_go_without_a_hold_gives_no_coefficient() {
+    for (top_n, up_s, fall_s, slack_s) in [
+        (360.0, 3.0, 0.15, 4.85),
+        (200.0, 3.0, 0.15, 4.85),
+        (600.0, 4.0, 0.15, 3.85),
+        (360.0, 3.0, 0.06, 4.94),
+        (360.0, 5.0, 0.2, 3.8),
+    ] {
+        for winch_m_per_s in [None, Some(0.0157)] {
+            let config = Config { winch_m_per_s, ..config() };
+            let (mut released, mut coefficients) = (0.0, 0);
+            for seed in 1..=SEEDS {
+                let period_s = up_s + fall_s + slack_s + phase(seed);
+                let force_n = |t: f64| {
+                    let t = (t + phase(seed) / HZ) % period_s;
+                    top_n * (t / up_s).min(1.0 - (t - up_s) / fall_s).max(0.0)
+                };
+                coefficients += read(&config, noisy(seed, DURATION_S, force_n)).coefficients();
+                released += DURATION_S / period_s;
+            }
+            let of = format!("{top_n} N in {up_s} s, {fall_s} s, winch {winch_m_per_s:?}");
+            println!("{of}: {coefficients} of {released:.0} releases with coefficients");
+            let most = if winch_m_per_s.is_some() { released / 8.0 } else { released / 20.0 };
+            assert!((coefficients as f64) < most, "{of}: {coefficients} of {released:.0}");
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use crate::coefficient::Site;
 use crate::cycle::cycle_fit::{CycleFit, Measured};
-use crate::cycle::refusal::{self, FAST, RootStiffnessRatio};
+use crate::cycle::refusal::{self, FAST, LEAST_UNCONFIRMED, RootStiffnessRatio};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished};
 use crate::event::{Event, Quality, Reason};
@@ -27,6 +27,8 @@ struct Belief {
     agrees_with_winch: bool,
     /// The loading rate, the drop or the rest does not differ significantly from zero.
     unsure: bool,
+    /// If the cable is slack, it is so for too long.
+    hangs: bool,
 }
 
 impl CycleTracker {
@@ -104,7 +106,7 @@ impl CycleTracker {
         let overlaps =
             limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
-        let Belief { folded, agrees_with_winch, unsure } =
+        let Belief { folded, agrees_with_winch, unsure, hangs } =
             fit.map(|posterior| self.of_fit(posterior, slip)).unwrap_or_default();
         // Without a stick line, a slack cable that loads within two samples shows no loading rate.
         let is_steep = |it: &Posterior| 2.0 * it.cycle.rate > it.cycle.static_n;
@@ -113,7 +115,8 @@ impl CycleTracker {
         let is_fast = slip.limit - slip.extremes().0 < FAST;
         let without_rest = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
         let without_rest = (loads_fast || unsure).then_some(without_rest);
-        let hangs = fit.filter(|_| event.slack).is_some_and(|it| self.slackness.is_long(it));
+        let is_slack = fit.filter(|_| event.slack);
+        let hangs = is_slack.is_some_and(|it| self.slackness.is_long(it) || hangs);
         let hangs = hangs.then_some(Reason::LetGo);
         let reason = refusal::of_event(event).or(hangs).or(overlaps).or(without_rest);
         // An event refused for reasons of its own is no evidence that the others are aliased,
@@ -149,12 +152,13 @@ impl CycleTracker {
         let unsure = !refusal::is_no_chance(rate)
             || !refusal::is_no_chance(shown)
             || ((is_fast || slip.reaches_zero(cycle.rate)) && own.is_low());
+        let hangs = !agrees_with_winch && cycle.dynamic_n() < LEAST_UNCONFIRMED * cycle.static_n;
         if !is_fast {
-            return Belief { folded, unsure, ..Belief::default() };
+            return Belief { folded, unsure, hangs, agrees_with_winch: false };
         }
         let determines = posterior.determines_swing(of_swing);
         let folded = folded || (determines && own.is_folded(periods));
-        Belief { folded, agrees_with_winch, unsure }
+        Belief { folded, agrees_with_winch, unsure, hangs }
     }
 
     /// The event with its coefficients, and with omega where the slip is resolved.

@@ -35,10 +35,13 @@ const RISES: f32 = 0.6;
 /// Largest coefficient of friction that is believed: ice stays below 2. Tuned to nothing.
 const LARGEST: f32 = 3.0;
 /// Least `mu / mu_s` on a slack cable. A block that friction alone stops leaves the cable slack for
-/// `Fs (Fs - 2 Fp) / (2 Fp r)`: at a fifth, one and a half times as long as the force took to rise
-/// from zero. A cable that stays slack for longer was let go. A choice: cables wound up by hand and
-/// let go at once have about a fifth, slack cables of `docs/honesty.md` two fifths.
-const LEAST_RATIO: f32 = 0.2;
+/// `Fs (Fs - 2 Fp) / (2 Fp r)`: at a tenth, four times as long as the force took to rise from zero.
+/// A cable that stays slack for longer was let go.
+const LEAST_RATIO: f32 = 0.1;
+/// The same where the stiffness from the winch does not confirm the slip: at 0.3, slack for two
+/// long as the force took to rise. A choice: cables wound up by hand and let go at once have about a
+/// fifth, the slack cables of `docs/honesty.md` two fifths.
+pub(super) const LEAST_UNCONFIRMED: f32 = 0.3;
 
 /// Why a fall gives no coefficient, as far as that is known without a fit. Arguments: the line
 /// after it and the highest force on that, N; the periods until the next slip or the end; whether a
