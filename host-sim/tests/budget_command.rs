@@ -39,10 +39,16 @@ fn replay_of(log: &Path, options: &[&str]) -> Value {
 
 /// A log of one of the scenes in `scenes/honesty`.
 fn simulated(folder: &TempDir, name: &str, seed: &str) -> PathBuf {
-    let log = folder.path().join("log.csv");
     let scene = format!("{}/scenes/honesty/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    simulated_from(folder, scene.as_ref(), seed)
+}
+
+fn simulated_from(folder: &TempDir, scene: &Path, seed: &str) -> PathBuf {
+    let log = folder.path().join("log.csv");
     let made = Command::new(env!("CARGO_BIN_EXE_floe"))
-        .args(["simulate", &scene, "--seed", seed, "-o"])
+        .arg("simulate")
+        .arg(scene)
+        .args(["--seed", seed, "-o"])
         .arg(&log)
         .output()
         .unwrap();
@@ -159,6 +165,27 @@ fn both_stiffnesses_and_the_recurrence_agree_with_the_scene() {
     let event = &result["events"][3];
     let length_m = number(&event["slip_length_m"]);
     assert!((number(&event["energy_j"]) / length_m - 491.4).abs() < 3.0 && length_m > 0.025);
+}
+
+/// The weight's own part along a slope does no work against friction.
+#[test]
+fn energy_is_that_of_friction_on_a_slope() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = include_str!("../scenes/dff8-13.toml");
+    for slope_deg in [12.0_f64, -3.0] {
+        let path = folder.path().join("slope.toml");
+        std::fs::write(&path, format!("slope_deg = {slope_deg:.1}\n{scene}")).unwrap();
+        let log = simulated_from(&folder, &path, "1");
+        let result = replay_of(&log, &EXACT);
+        let normal_n = 630.0 * slope_deg.to_radians().cos();
+        let events = result["events"].as_array().unwrap();
+        let read = events.iter().filter(|event| !event["energy_j"].is_null());
+        assert!(read.clone().count() > 20);
+        for event in read {
+            let work_j = number(&event["mu"]) * normal_n * number(&event["slip_length_m"]);
+            assert!((number(&event["energy_j"]) / work_j - 1.0).abs() < 1e-4, "{event}");
+        }
+    }
 }
 
 #[test]

@@ -141,6 +141,7 @@ impl Quantities {
             slide: stiffness.map(|stiffness_n_per_m| Slide {
                 stiffness_n_per_m,
                 winch_m_per_s: winch,
+                grade: f64::from(config.slope_rad).tan(),
                 unsure,
             }),
             losses: Losses::of(config, report),
@@ -181,12 +182,14 @@ impl Quantities {
         Some(Check::of(ratio, std))
     }
 
-    /// Quantities of a test that is still running, from one event and the winch speed.
+    /// Quantities of a test that is still running, from one event, winch speed and slope.
     #[must_use]
-    pub fn of_event(event: &EventSummary, winch_m_per_s: Option<f64>) -> Self {
+    pub fn of_event(event: &EventSummary, config: &Config) -> Self {
+        let winch_m_per_s = config.winch_m_per_s.map(f64::from);
         let slide = winch_m_per_s.map(|winch| Slide {
             stiffness_n_per_m: event.loading_rate_n_per_s / winch,
             winch_m_per_s,
+            grade: f64::from(config.slope_rad).tan(),
             unsure: None,
         });
         Self { slide, ..Self::default() }
