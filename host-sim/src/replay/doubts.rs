@@ -1,7 +1,8 @@
 //! Reasons to doubt that the log and the given numbers belong together.
 
-use floe_core::{Config, Counters, Report};
+use floe_core::{Config, Counters, Reason, Report};
 
+use super::events::Events;
 use super::given;
 use super::known::KnownOptions;
 use super::quantities::Quantities;
@@ -13,17 +14,17 @@ const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
 /// Recurrence in samples below which a slip may be an alias of several faster ones.
 const FAST: f64 = 16.0;
 
-/// The doubts, one sentence each; `sags`: whether the cable sags.
+/// The doubts, one sentence each; of the events those without coefficients, and whether the cable sags.
 #[must_use]
 pub fn doubts(
     log: &Log,
     (config, known): (&Config, &KnownOptions),
     report: &Report,
-    sags: bool,
+    (events, sags): (&Events, bool),
 ) -> Vec<String> {
     let doubts = [
         no_friction(log, config, report),
-        choice(report),
+        choice(report, events),
         alias(log, config, report),
         // A cable that sags has two stiffnesses.
         other_stiffness(config, report).filter(|_| !sags),
@@ -104,13 +105,21 @@ fn other_stiffness(config: &Config, report: &Report) -> Option<String> {
     ))
 }
 
-/// Most events have no coefficients: the cause may depend on their friction.
-fn choice(report: &Report) -> Option<String> {
+/// Which events have no coefficients may depend on their friction: most have none, or tops beyond the
+/// range are hidden.
+fn choice(report: &Report, events: &Events) -> Option<String> {
     let (all, read) = (report.events, report.mu_s.or(report.mu)?.events);
-    (2 * read < all).then(|| {
+    let cut_off = report.counters.saturated > 0 && events.refused_for(Reason::Hidden) > 0;
+    let others = match cut_off {
+        true => {
+            "the tops of others may lie beyond the range: then mu_s is that of the slips below the limit, \
+             a lower bound"
+        }
+        false => "the friction of the others may be another",
+    };
+    (cut_off || 2 * read < all).then(|| {
         format!(
-            "{read} of {all} events have coefficients: the means are those of a choice, and the friction \
-             of the others may be another"
+            "{read} of {all} events have coefficients: the means are those of a choice, and {others}"
         )
     })
 }

@@ -6,6 +6,7 @@ use std::io::{self, BufWriter, Read, Seek, Write};
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use floe_core::Reason;
 use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
 use tempfile::SpooledTempFile;
@@ -110,6 +111,13 @@ impl Events {
         let mut refused: Vec<_> = self.refused.iter().collect();
         refused.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
         refused.into_iter().map(|(reason, count)| format!("{count} not counted: {reason}"))
+    }
+
+    /// How many events have no coefficient for this reason.
+    #[must_use]
+    pub fn refused_for(&self, reason: Reason) -> u64 {
+        let reason = reason.to_string();
+        self.refused.iter().find(|(known, _)| *known == reason).map_or(0, |(_, count)| *count)
     }
 
     /// The one that is no longer among the last.
