@@ -6,6 +6,7 @@ use super::events::Events;
 use super::given;
 use super::known::KnownOptions;
 use super::quantities::Quantities;
+use super::result::ReplayResult;
 use crate::log::{Format, Log, Unit};
 use crate::rounding::plus_minus;
 
@@ -14,20 +15,20 @@ const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
 /// Recurrence in samples below which a slip may be an alias of several faster ones.
 const FAST: f64 = 16.0;
 
-/// The doubts, one sentence each; of the events those without coefficients, and whether the cable sags.
+/// The doubts, one sentence each.
 #[must_use]
 pub fn doubts(
     log: &Log,
     (config, known): (&Config, &KnownOptions),
     report: &Report,
-    (events, sags): (&Events, bool),
+    result: &ReplayResult,
 ) -> Vec<String> {
     let doubts = [
         no_friction(log, config, report),
-        choice(report, events),
+        choice(report, &result.events),
         alias(log, config, report),
         // A cable that sags has two stiffnesses.
-        other_stiffness(config, report).filter(|_| !sags),
+        other_stiffness(&result.quantities).filter(|_| !result.sags()),
     ];
     let doubts = doubts.into_iter().flatten();
     let instead = given::instead(log, config, known);
@@ -95,8 +96,7 @@ fn no_friction(log: &Log, config: &Config, report: &Report) -> Option<String> {
 }
 
 /// The stiffnesses from the winch speed and from the weight contradict each other.
-fn other_stiffness(config: &Config, report: &Report) -> Option<String> {
-    let quantities = Quantities::new(config, report);
+fn other_stiffness(quantities: &Quantities) -> Option<String> {
     let (ratio, std) = quantities.stiffness_ratio.zip(quantities.stiffness_ratio_std)?;
     let suspects = quantities.check()?.suspects()?;
     let ratio = plus_minus(ratio, std);

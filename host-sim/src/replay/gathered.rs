@@ -165,7 +165,7 @@ impl<'a> Gathered<'a> {
         if known.both_zeros(&log.metadata().known).is_some() {
             result.budget.iter_mut().for_each(|line| line.is_unmeasured = false);
         }
-        let doubts = doubts::doubts(log, (config, known), &report, (&result.events, result.sags()));
+        let doubts = doubts::doubts(log, (config, known), &report, &result);
         result.log.warnings = [log.warnings(), doubts, self.rails.warnings()].concat();
         Ok(result)
     }
