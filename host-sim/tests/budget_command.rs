@@ -39,10 +39,16 @@ fn replay_of(log: &Path, options: &[&str]) -> Value {
 
 /// A log of one of the scenes in `scenes/honesty`.
 fn simulated(folder: &TempDir, name: &str, seed: &str) -> PathBuf {
-    let log = folder.path().join("log.csv");
     let scene = format!("{}/scenes/honesty/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    simulated_from(folder, scene.as_ref(), seed)
+}
+
+fn simulated_from(folder: &TempDir, scene: &Path, seed: &str) -> PathBuf {
+    let log = folder.path().join("log.csv");
     let made = Command::new(env!("CARGO_BIN_EXE_floe"))
-        .args(["simulate", &scene, "--seed", seed, "-o"])
+        .arg("simulate")
+        .arg(scene)
+        .args(["--seed", seed, "-o"])
         .arg(&log)
         .output()
         .unwrap();
@@ -161,6 +167,27 @@ fn both_stiffnesses_and_the_recurrence_agree_with_the_scene() {
     assert!((number(&event["energy_j"]) / length_m - 491.4).abs() < 3.0 && length_m > 0.025);
 }
 
+/// The weight's own part along a slope does no work against friction.
+#[test]
+fn energy_is_that_of_friction_on_a_slope() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = include_str!("../scenes/dff8-13.toml");
+    for slope_deg in [12.0_f64, -3.0] {
+        let path = folder.path().join("slope.toml");
+        std::fs::write(&path, format!("slope_deg = {slope_deg:.1}\n{scene}")).unwrap();
+        let log = simulated_from(&folder, &path, "1");
+        let result = replay_of(&log, &EXACT);
+        let normal_n = 630.0 * slope_deg.to_radians().cos();
+        let events = result["events"].as_array().unwrap();
+        let read = events.iter().filter(|event| !event["energy_j"].is_null());
+        assert!(read.clone().count() > 20);
+        for event in read {
+            let work_j = number(&event["mu"]) * normal_n * number(&event["slip_length_m"]);
+            assert!((number(&event["energy_j"]) / work_j - 1.0).abs() < 1e-4, "{event}");
+        }
+    }
+}
+
 #[test]
 fn every_event_holds_the_losses_that_the_whole_test_tells() {
     let folder = tempfile::tempdir().unwrap();
@@ -175,6 +202,31 @@ fn every_event_holds_the_losses_that_the_whole_test_tells() {
         assert!((of("mu_systematic_std") / own - 1.0).abs() < 1e-4, "{event}");
         let half = (number(&event["mu_ci95"][1]) - number(&event["mu_ci95"][0])) / 2.0;
         assert!((half / of("mu_combined_std") - 1.96).abs() < 0.01, "{event}");
+    }
+}
+
+/// Of slips of a sample those with an omega are the few that came out long: .6 of the true omega.
+#[test]
+fn the_omega_of_a_few_long_slips_is_not_that_of_the_test() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("short.toml");
+    let short = "duration_s = 120.0\nweight_n = 630.0\nmu_s = 1.24\nmu = 0.78\n\
+                 stiffness_n_per_m = 138000.0\nwinch_m_per_s = 0.0035\n\
+                 [variation]\nmu_s_fraction = 0.01\nmu_fraction = 0.01\n[measurement]\nwhite_n = 2.0\n";
+    std::fs::write(&scene, short).unwrap();
+    for seed in ["15", "21"] {
+        let log = simulated_from(&folder, &scene, seed);
+        let text = std::fs::read_to_string(&log).unwrap();
+        let lines = text.lines().filter(|line| !line.starts_with("# winch_"));
+        std::fs::write(&log, lines.collect::<Vec<_>>().join("\n")).unwrap();
+        let result = replay_of(&log, &[]);
+        let events = result["events"].as_array().unwrap();
+        let with_omega = events.iter().filter(|event| !event["omega_rad_per_s"].is_null()).count();
+        assert!((1..10).contains(&with_omega), "{with_omega}");
+        for name in ["omega_rad_per_s", "stiffness_n_per_m", "slip_length_m", "energy_j"] {
+            assert!(result[name].is_null(), "{name} {}", result[name]);
+        }
+        assert!(events.iter().all(|event| event["slip_length_m"].is_null()));
     }
 }
 

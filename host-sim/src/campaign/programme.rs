@@ -108,7 +108,7 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
     let report = pipeline.report();
     let seconds =
         |t: floe_core::SampleTime| (t.index as f64 + f64::from(t.fraction)) / scene.rate_hz;
-    let quantities = Quantities::new(&config, &report);
+    let quantities = Quantities::new(&config, &report, report.omega_rad_per_s);
     let measured = |event: &Event| {
         let mut measured = EventSummary::new(event, seconds(event.onset), seconds(event.stop));
         quantities.complete(&mut measured);

@@ -145,8 +145,9 @@ impl State {
     pub fn summary(&self, event: &Event) -> EventSummary {
         let (onset_s, stop_s) = (self.seconds(event.onset), self.seconds(event.stop));
         let mut summary = EventSummary::new(event, onset_s, stop_s);
-        let winch = self.test.as_ref().and_then(|(_, settings)| settings.config.winch_m_per_s);
-        Quantities::of_event(&summary, winch.map(f64::from)).slide(&mut summary);
+        if let Some((_, settings)) = &self.test {
+            Quantities::of_event(&summary, &settings.config).slide(&mut summary);
+        }
         summary.onset_time = self.began.and_then(|began| began.after(onset_s));
         summary
     }

@@ -1,10 +1,12 @@
 //! Reasons to doubt that the log and the given numbers belong together.
 
-use floe_core::{Config, Counters, Report};
+use floe_core::{Config, Counters, Reason, Report};
 
+use super::events::Events;
 use super::given;
 use super::known::KnownOptions;
 use super::quantities::Quantities;
+use super::result::ReplayResult;
 use crate::log::{Format, Log, Unit};
 use crate::rounding::plus_minus;
 
@@ -13,20 +15,20 @@ const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
 /// Recurrence in samples below which a slip may be an alias of several faster ones.
 const FAST: f64 = 16.0;
 
-/// The doubts, one sentence each; `sags`: whether the cable sags.
+/// The doubts, one sentence each.
 #[must_use]
 pub fn doubts(
     log: &Log,
     (config, known): (&Config, &KnownOptions),
     report: &Report,
-    sags: bool,
+    result: &ReplayResult,
 ) -> Vec<String> {
     let doubts = [
         no_friction(log, config, report),
-        choice(report),
+        choice(report, &result.events),
         alias(log, config, report),
         // A cable that sags has two stiffnesses.
-        other_stiffness(config, report).filter(|_| !sags),
+        other_stiffness(&result.quantities).filter(|_| !result.sags()),
     ];
     let doubts = doubts.into_iter().flatten();
     let instead = given::instead(log, config, known);
@@ -94,8 +96,7 @@ fn no_friction(log: &Log, config: &Config, report: &Report) -> Option<String> {
 }
 
 /// The stiffnesses from the winch speed and from the weight contradict each other.
-fn other_stiffness(config: &Config, report: &Report) -> Option<String> {
-    let quantities = Quantities::new(config, report);
+fn other_stiffness(quantities: &Quantities) -> Option<String> {
     let (ratio, std) = quantities.stiffness_ratio.zip(quantities.stiffness_ratio_std)?;
     let suspects = quantities.check()?.suspects()?;
     let ratio = plus_minus(ratio, std);
@@ -104,13 +105,21 @@ fn other_stiffness(config: &Config, report: &Report) -> Option<String> {
     ))
 }
 
-/// Most events have no coefficients: the cause may depend on their friction.
-fn choice(report: &Report) -> Option<String> {
+/// Which events have no coefficients may depend on their friction: most have none, or tops beyond the
+/// range are hidden.
+fn choice(report: &Report, events: &Events) -> Option<String> {
     let (all, read) = (report.events, report.mu_s.or(report.mu)?.events);
-    (2 * read < all).then(|| {
+    let cut_off = report.counters.saturated > 0 && events.refused_for(Reason::Hidden) > 0;
+    let others = match cut_off {
+        true => {
+            "the tops of others may lie beyond the range: then mu_s is that of the slips below the limit, \
+             a lower bound"
+        }
+        false => "the friction of the others may be another",
+    };
+    (cut_off || 2 * read < all).then(|| {
         format!(
-            "{read} of {all} events have coefficients: the means are those of a choice, and the friction \
-             of the others may be another"
+            "{read} of {all} events have coefficients: the means are those of a choice, and {others}"
         )
     })
 }

@@ -6,6 +6,7 @@ use std::io::{self, BufWriter, Read, Seek, Write};
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use floe_core::Reason;
 use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
 use tempfile::SpooledTempFile;
@@ -47,6 +48,8 @@ pub struct Events {
     left_out_odd: usize,
     /// Why events have no coefficient, and how many.
     refused: Vec<(String, u64)>,
+    /// Events with a coefficient, and those of them with an omega of their own.
+    read: [u64; 2],
     all: Arc<Mutex<BufWriter<SpooledTempFile>>>,
     quantities: Quantities,
     pub(super) recurrence: Recurrence,
@@ -63,6 +66,7 @@ impl Default for Events {
             left_out: 0,
             left_out_odd: 0,
             refused: Vec::new(),
+            read: [0; 2],
             all: Arc::new(Mutex::new(BufWriter::new(SpooledTempFile::new(IN_MEMORY)))),
             quantities: Quantities::default(),
             recurrence: Recurrence::default(),
@@ -88,7 +92,7 @@ impl Events {
         let mut scratch = [0; LONGEST];
         let bytes = postcard::to_slice(&event, &mut scratch).map_err(io::Error::other)?;
         self.all.lock().unwrap_or_else(PoisonError::into_inner).write_all(bytes)?;
-        self.count_refused(&event);
+        self.count(&event);
         self.recurrence.event(&event);
         let means = if is_wanted(&event, self.stride) { means() } else { Means::default() };
         self.last.push_back((event, means));
@@ -98,7 +102,10 @@ impl Events {
         Ok(())
     }
 
-    fn count_refused(&mut self, event: &EventSummary) {
+    fn count(&mut self, event: &EventSummary) {
+        let is_read = event.mu_s.or(event.mu).is_some();
+        let with_omega = is_read && event.omega_rad_per_s.is_some();
+        self.read = [self.read[0] + u64::from(is_read), self.read[1] + u64::from(with_omega)];
         let EventSummary { mu_s: None, mu: None, reason: Some(reason), .. } = event else { return };
         match self.refused.iter_mut().find(|(known, _)| known == reason) {
             Some((_, count)) => *count += 1,
@@ -111,6 +118,21 @@ impl Events {
         let mut refused: Vec<_> = self.refused.iter().collect();
         refused.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
         refused.into_iter().map(|(reason, count)| format!("{count} not counted: {reason}"))
+    }
+
+    /// Whether half of the events with a coefficient have an omega. Fewer are a choice: those whose
+    /// fit came out long, so that omega would be too small.
+    #[must_use]
+    pub fn determine_omega(&self) -> bool {
+        let [read, with_omega] = self.read;
+        2 * with_omega >= read
+    }
+
+    /// How many events have no coefficient for this reason.
+    #[must_use]
+    pub fn refused_for(&self, reason: Reason) -> u64 {
+        let reason = reason.to_string();
+        self.refused.iter().find(|(known, _)| *known == reason).map_or(0, |(_, count)| *count)
     }
 
     /// The one that is no longer among the last.

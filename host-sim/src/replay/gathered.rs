@@ -18,7 +18,7 @@ use super::result::{
 };
 use super::stretches::Stretches;
 use super::timeline::Timeline;
-use super::{doubts, level, without_losses};
+use super::{doubts, held, level, without_losses};
 
 pub(super) struct Gathered<'a> {
     config: &'a Config,
@@ -27,6 +27,8 @@ pub(super) struct Gathered<'a> {
     period_s: f64,
     /// What was said of the winch, still to come.
     winch_marks: Peekable<vec::IntoIter<WinchMark>>,
+    /// When it was said first.
+    marked_s: Option<f64>,
     timeline: Timeline,
     events: Events,
     /// Whether the events could be kept.
@@ -45,6 +47,7 @@ impl<'a> Gathered<'a> {
             keeps_means,
             period_s: 1.0 / rate_hz,
             winch_marks: marks.unwrap_or_default().into_iter().peekable(),
+            marked_s: None,
             timeline: Timeline::new(rate_hz),
             events: Events::default(),
             kept: Ok(()),
@@ -61,6 +64,7 @@ impl<'a> Gathered<'a> {
         let next_s = sample.time_s + 0.5 * self.period_s;
         while let Some(mark) = self.winch_marks.next_if(|mark| mark.from_s < next_s) {
             self.pipeline.mark_winch(mark.turns);
+            self.marked_s.get_or_insert(mark.from_s);
         }
         let step = self.pipeline.step(sample.raw);
         if let Some(force_n) = step.sample.force_n {
@@ -88,6 +92,7 @@ impl<'a> Gathered<'a> {
             let event = without_losses(&self.pipeline, *event);
             let seconds = |time| self.timeline.seconds(time);
             let event = EventSummary::new(&event, seconds(event.onset), seconds(event.stop));
+            held::rise_to(&event, &mut self.stretches.steady, self.config, self.marked_s);
             let (pipeline, keeps_means) = (&self.pipeline, self.keeps_means);
             let means = || if keeps_means { so_far(pipeline) } else { Means::default() };
             self.kept = self.events.push(event, means);
@@ -165,7 +170,7 @@ impl<'a> Gathered<'a> {
         if known.both_zeros(&log.metadata().known).is_some() {
             result.budget.iter_mut().for_each(|line| line.is_unmeasured = false);
         }
-        let doubts = doubts::doubts(log, (config, known), &report, result.sags());
+        let doubts = doubts::doubts(log, (config, known), &report, &result);
         result.log.warnings = [log.warnings(), doubts, self.rails.warnings()].concat();
         Ok(result)
     }

@@ -15,6 +15,7 @@ pub mod event_rows;
 pub mod events;
 mod gathered;
 pub mod given;
+pub mod held;
 pub mod input;
 pub mod known;
 mod level;

@@ -111,14 +111,15 @@ fn stiffnesses(
 pub(super) type Relative = (f64, f64);
 
 impl Quantities {
-    /// The quantities that follow from the report of the core.
+    /// The quantities that follow from the report of the core; `omega` is its omega, where the
+    /// events determine it.
     #[must_use]
-    pub fn new(config: &Config, report: &Report) -> Self {
+    pub fn new(config: &Config, report: &Report, omega: Option<Quantity>) -> Self {
         if report.mu_s.or(report.mu).is_none() {
             return Self::default();
         }
         let rate = relative(report.loading_rate_n_per_s);
-        let omega = relative(report.omega_rad_per_s);
+        let omega = relative(omega);
         let winch = config.winch_m_per_s.map(f64::from);
         let [from_rate, from_omega] = stiffnesses(config, report, [rate, omega]);
         let check = from_rate.zip(from_omega).map(|(a, b)| (a.0 / b.0, a.1.hypot(b.1)));
@@ -141,6 +142,7 @@ impl Quantities {
             slide: stiffness.map(|stiffness_n_per_m| Slide {
                 stiffness_n_per_m,
                 winch_m_per_s: winch,
+                grade: f64::from(config.slope_rad).tan(),
                 unsure,
             }),
             losses: Losses::of(config, report),
@@ -155,7 +157,9 @@ impl Quantities {
         if report.mu_s.or(report.mu).is_none() {
             return self;
         }
-        let [rate, omega] = [report.loading_rate_n_per_s, report.omega_rad_per_s].map(relative);
+        let rate = relative(report.loading_rate_n_per_s);
+        let omega = self.omega_rad_per_s.zip(self.omega_rad_per_s_std);
+        let omega = omega.map(|(value, std)| (value, std / value));
         let predicted = events.recurrence.predicted_s(of, rate, omega);
         let recurrence = events.recurrence.seen_s();
         let [length, energy] = self.slide.map_or([None; 2], |slide| slide.means(events));
@@ -181,12 +185,14 @@ impl Quantities {
         Some(Check::of(ratio, std))
     }
 
-    /// Quantities of a test that is still running, from one event and the winch speed.
+    /// Quantities of a test that is still running, from one event, winch speed and slope.
     #[must_use]
-    pub fn of_event(event: &EventSummary, winch_m_per_s: Option<f64>) -> Self {
+    pub fn of_event(event: &EventSummary, config: &Config) -> Self {
+        let winch_m_per_s = config.winch_m_per_s.map(f64::from);
         let slide = winch_m_per_s.map(|winch| Slide {
             stiffness_n_per_m: event.loading_rate_n_per_s / winch,
             winch_m_per_s,
+            grade: f64::from(config.slope_rad).tan(),
             unsure: None,
         });
         Self { slide, ..Self::default() }

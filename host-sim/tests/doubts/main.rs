@@ -114,6 +114,32 @@ fn means_of_a_choice_are_called_so() {
     assert!(!all.contains("of a choice"), "{all}");
 }
 
+/// Of tops near the end of the range only the lower ones are read, however many those are.
+#[test]
+fn means_below_the_end_of_the_range_are_called_so() {
+    let dir = directory("below-the-range");
+    let path = |name: &str| dir.join(name).to_str().unwrap().to_owned();
+    let (scene, log, page) = (path("scene.toml"), path("log.csv"), path("report.html"));
+    let varied = "\n[variation]\nmu_s_fraction = 0.01\nmu_fraction = 0.01\n";
+    fs::write(&scene, include_str!("../../scenes/dff8-13.toml").to_owned() + varied).unwrap();
+    assert_eq!(floe(&["simulate", &scene, "-o", &log]).status.code(), Some(0));
+    let said = |limit: &str| {
+        let with = ["replay", &log, "--range-n", limit];
+        let json = json_with_warnings(&floe(&[&with[..], &["--json"]].concat()));
+        let table = text(&floe(&[&with[..], &["--summary", "--report", &page]].concat()).stdout);
+        [json, table, fs::read_to_string(&page).unwrap()]
+    };
+    let cut_off = said("785");
+    for it in &cut_off {
+        assert!(it.contains("the means are those of a choice"), "{it}");
+        assert!(it.contains("mu_s is that of the slips below the limit, a lower bound"), "{it}");
+    }
+    let counts = cut_off[1].split_once(" events have coefficients").unwrap().0;
+    let counts: Vec<u32> = counts.rsplitn(4, ' ').filter_map(|it| it.parse().ok()).collect();
+    assert!(counts[0] > counts[1] && 2 * counts[1] > counts[0], "{counts:?}");
+    assert!(said("900").iter().all(|it| !it.contains("of a choice")));
+}
+
 /// A slip every few samples may be an alias of faster slips: only the speed of the winch decides.
 #[test]
 fn fast_slips_without_the_speed_of_the_winch_are_asked_about() {

@@ -123,6 +123,40 @@ fn no_events_is_a_result() {
     assert_eq!((quiet.status.code(), text(&quiet.stdout)), (Some(0), String::new()));
 }
 
+/// A winch that turns does not explain a constant force from which a slip is pulled; a block that
+/// broke loose and slides on is moving.
+#[test]
+fn a_constant_force_that_rises_to_a_slip_may_have_been_held() {
+    let dir = directory("held-or-sliding");
+    let path = |name: &str| dir.join(name).to_str().unwrap().to_owned();
+    let moving = |scene: &str, mark: &str| {
+        let log = path(&format!("log-{mark}.csv"));
+        let made = floe(&["simulate", scene, "-o", &log]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        if !mark.is_empty() {
+            let marked = format!("\n# winch_marks_s: {mark} 0\n");
+            let marked = fs::read_to_string(&log).unwrap().replacen('\n', &marked, 1);
+            fs::write(&log, marked).unwrap();
+        }
+        let result = json(&floe(&["replay", &log, "--json"]));
+        let steady = result["steady"].as_array().unwrap().clone();
+        steady.iter().map(|it| it["moving"].as_bool()).collect::<Vec<_>>()
+    };
+    let base = include_str!("../../scenes/dff8-13.toml");
+    let stopped = path("stopped.toml");
+    let stops = "[winch_profile]\nkind = \"steps\"\nsteps = [[30.6, 0.0], [60.0, 1.0]]\n";
+    fs::write(&stopped, base.to_owned() + stops).unwrap();
+    for scene in ["scenes/honesty/tightened_held.toml", &stopped] {
+        assert_eq!(moving(scene, ""), [None], "{scene}");
+        assert_eq!(moving(scene, "moving"), [Some(true)], "{scene}");
+        assert_eq!(moving(scene, "held"), [Some(false)], "{scene}");
+    }
+    for scene in ["breakaway", "steady_sliding"] {
+        let scene = format!("scenes/honesty/{scene}.toml");
+        assert_eq!(moving(&scene, ""), [Some(true)], "{scene}");
+    }
+}
+
 #[test]
 fn without_arguments_the_bundled_log_is_replayed_and_reported() {
     let dir = directory("bundled");

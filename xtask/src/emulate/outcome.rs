@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use floe::replay::events::Events;
+use floe::replay::held;
 use floe::replay::result::{ChangeSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
 use floe::replay::stretches::Stretches;
 use floe_core::{
@@ -161,16 +162,17 @@ impl Outcome {
             let time_s = record.times_s.get(index).copied().unwrap_or(0.0);
             time_s + periods / f64::from(self.config.rate_hz)
         };
-        let mut events = Events::default();
-        for e in &self.events {
-            let event = EventSummary::new(e, seconds(e.onset), seconds(e.stop));
-            events.push(event, Default::default).map_err(|e| e.to_string())?;
-        }
-        let changes = self.changes.iter().map(|c| ChangeSummary::new(c, seconds(c.onset)));
         let mut stretches = Stretches::default();
         self.stretches.iter().for_each(|it| {
             stretches.add(it, &self.config, seconds(it.start), seconds(it.stop));
         });
+        let mut events = Events::default();
+        for e in &self.events {
+            let event = EventSummary::new(e, seconds(e.onset), seconds(e.stop));
+            held::rise_to(&event, &mut stretches.steady, &self.config, None);
+            events.push(event, Default::default).map_err(|e| e.to_string())?;
+        }
+        let changes = self.changes.iter().map(|c| ChangeSummary::new(c, seconds(c.onset)));
         let inputs = (&self.config, &self.report);
         let result = ReplayResult::new(log, test, inputs, events, changes.collect());
         Ok(ReplayResult { stretches, ..result })
