@@ -30,6 +30,22 @@ fn hum_on_a_steady_slide_has_no_coefficients() {
     }
 }
 
+/// Hum on a cable without force, of 20 N around zero: a cable does not push. At most one fall in a
+/// thousand has a coefficient.
+#[test]
+fn hum_without_a_force_has_no_coefficients() {
+    for hz in [50.0, 50.3, 60.0] {
+        let (mut seen, mut believed) = (0, 0);
+        for seed in 1..=SEEDS {
+            let hum = |t: f64| 20.0 * (TAU * (hz * t + phase(seed))).sin();
+            let outcome = read(&config(), noisy(seed, 120.0, hum));
+            (seen, believed) = (seen + outcome.events.len(), believed + outcome.coefficients());
+        }
+        println!("{hz} Hz around zero: {believed} of {seen} falls with coefficients");
+        assert!(believed * 1000 < seen.max(1000), "{hz} Hz: {believed} of {seen}");
+    }
+}
+
 /// A slow oscillation around a constant force rises as fast as it falls and has no rests. It is not
 /// taken for slips at any amplitude, except the first one or two.
 #[test]

@@ -56,7 +56,8 @@ pub(crate) fn of_fall(
     let noise_n = math::sqrt(slip.noise_n2);
     let drop_n = slip.peak.force_n - slip.low.force_n;
     let (from, to) = slip.rough.edges;
-    if slip.peak.force_n < -SURE * noise_n {
+    // A cable does not push; half the highest force is room for an error of the zero.
+    if slip.low.force_n < -0.5 * slip.peak.force_n.abs() {
         return Some(Reason::Negative);
     }
     let near_zero_n = math::smaller(SURE * noise_n + slip.rough.rate, NEAR_ZERO * drop_n);
