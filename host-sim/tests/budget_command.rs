@@ -89,6 +89,17 @@ fn the_usual_uncertainties_are_in_every_interval() {
 }
 
 #[test]
+fn a_loading_rate_is_as_unsure_as_the_span() {
+    let of = |options: &[&str]| {
+        let result = replay(options);
+        ["loading_rate_n_per_s", "loading_rate_n_per_s_std"].map(|name| number(&result[name]))
+    };
+    let [rate, own] = of(&EXACT);
+    let [_, all] = of(&["--span-std", "1"]);
+    assert!((all / own.hypot(0.01 * rate) - 1.0).abs() < 1e-3, "{all} {own} {rate}");
+}
+
+#[test]
 fn what_is_exactly_known_contributes_nothing() {
     let result = replay(&EXACT);
     for input in ["weight_n", "slope_rad", "zero_n", "span", "damping"] {

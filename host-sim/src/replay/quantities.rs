@@ -131,7 +131,10 @@ impl Quantities {
             loading_rate_n_per_s: value(rate),
             omega_rad_per_s: value(omega),
             stiffness_n_per_m: stiffness,
-            loading_rate_n_per_s_std: std(rate),
+            // The span is the same factor for all forces.
+            loading_rate_n_per_s_std: std(
+                rate.map(|(rate, own)| (rate, own.hypot(config.std.span.into())))
+            ),
             omega_rad_per_s_std: std(omega),
             stiffness_from_rate_n_per_m: value(from_rate),
             stiffness_from_rate_n_per_m_std: std(from_rate),
