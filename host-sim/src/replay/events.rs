@@ -103,10 +103,12 @@ impl Events {
     }
 
     fn count(&mut self, event: &EventSummary) {
-        let is_read = event.mu_s.or(event.mu).is_some();
-        let with_omega = is_read && event.omega_rad_per_s.is_some();
-        self.read = [self.read[0] + u64::from(is_read), self.read[1] + u64::from(with_omega)];
-        let EventSummary { mu_s: None, mu: None, reason: Some(reason), .. } = event else { return };
+        if event.mu_s.or(event.mu).is_some() {
+            self.read[0] += 1;
+            self.read[1] += u64::from(event.omega_rad_per_s.is_some());
+            return;
+        }
+        let Some(reason) = &event.reason else { return };
         match self.refused.iter_mut().find(|(known, _)| known == reason) {
             Some((_, count)) => *count += 1,
             None => self.refused.push((reason.clone(), 1)),
@@ -120,8 +122,7 @@ impl Events {
         refused.into_iter().map(|(reason, count)| format!("{count} not counted: {reason}"))
     }
 
-    /// Whether half of the events with a coefficient have an omega. Fewer are a choice: those whose
-    /// fit came out long, so that omega would be too small.
+    /// Whether half of the events with a coefficient have an omega: fewer are those with long fits.
     #[must_use]
     pub fn determine_omega(&self) -> bool {
         let [read, with_omega] = self.read;
@@ -132,7 +133,7 @@ impl Events {
     #[must_use]
     pub fn refused_for(&self, reason: Reason) -> u64 {
         let reason = reason.to_string();
-        self.refused.iter().find(|(known, _)| *known == reason).map_or(0, |(_, count)| *count)
+        self.refused.iter().find(|(known, _)| *known == reason).map_or(0, |it| it.1)
     }
 
     /// The one that is no longer among the last.
