@@ -109,7 +109,7 @@ fn other_stiffness(quantities: &Quantities) -> Option<String> {
 /// range are hidden.
 fn choice(report: &Report, events: &Events) -> Option<String> {
     let (all, read) = (report.events, report.mu_s.or(report.mu)?.events);
-    let cut_off = report.counters.saturated > 0 && events.refused_for(Reason::Hidden) > 0;
+    let cut_off = report.counters.saturated > 0 && events.counts.refused_for(Reason::Hidden) > 0;
     let others = match cut_off {
         true => {
             "the tops of others may lie beyond the range: then mu_s is that of the slips below the limit, \

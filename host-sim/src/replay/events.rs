@@ -6,12 +6,12 @@ use std::io::{self, BufWriter, Read, Seek, Write};
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use floe_core::Reason;
 use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
 use tempfile::SpooledTempFile;
 
 use super::batches;
+use super::counts::Counts;
 use super::quantities::Quantities;
 use super::recurrence::Recurrence;
 use super::result::{CoefficientSummary, EventSummary};
@@ -46,10 +46,7 @@ pub struct Events {
     stride: usize,
     left_out: usize,
     left_out_odd: usize,
-    /// Why events have no coefficient, and how many.
-    refused: Vec<(String, u64)>,
-    /// Events with a coefficient, and those of them with an omega of their own.
-    read: [u64; 2],
+    pub(crate) counts: Counts,
     all: Arc<Mutex<BufWriter<SpooledTempFile>>>,
     quantities: Quantities,
     pub(super) recurrence: Recurrence,
@@ -65,8 +62,7 @@ impl Default for Events {
             stride: 1,
             left_out: 0,
             left_out_odd: 0,
-            refused: Vec::new(),
-            read: [0; 2],
+            counts: Counts::default(),
             all: Arc::new(Mutex::new(BufWriter::new(SpooledTempFile::new(IN_MEMORY)))),
             quantities: Quantities::default(),
             recurrence: Recurrence::default(),
@@ -92,7 +88,7 @@ impl Events {
         let mut scratch = [0; LONGEST];
         let bytes = postcard::to_slice(&event, &mut scratch).map_err(io::Error::other)?;
         self.all.lock().unwrap_or_else(PoisonError::into_inner).write_all(bytes)?;
-        self.count(&event);
+        self.counts.add(&event);
         self.recurrence.event(&event);
         let means = if is_wanted(&event, self.stride) { means() } else { Means::default() };
         self.last.push_back((event, means));
@@ -100,40 +96,6 @@ impl Events {
             self.keep_oldest();
         }
         Ok(())
-    }
-
-    fn count(&mut self, event: &EventSummary) {
-        if event.mu_s.or(event.mu).is_some() {
-            self.read[0] += 1;
-            self.read[1] += u64::from(event.omega_rad_per_s.is_some());
-            return;
-        }
-        let Some(reason) = &event.reason else { return };
-        match self.refused.iter_mut().find(|(known, _)| known == reason) {
-            Some((_, count)) => *count += 1,
-            None => self.refused.push((reason.clone(), 1)),
-        }
-    }
-
-    /// Why events have no coefficient, the most frequent reason first: `3 not counted: a gap`.
-    pub fn refused(&self) -> impl Iterator<Item = String> {
-        let mut refused: Vec<_> = self.refused.iter().collect();
-        refused.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-        refused.into_iter().map(|(reason, count)| format!("{count} not counted: {reason}"))
-    }
-
-    /// Whether half of the events with a coefficient have an omega: fewer are those with long fits.
-    #[must_use]
-    pub fn determine_omega(&self) -> bool {
-        let [read, with_omega] = self.read;
-        2 * with_omega >= read
-    }
-
-    /// How many events have no coefficient for this reason.
-    #[must_use]
-    pub fn refused_for(&self, reason: Reason) -> u64 {
-        let reason = reason.to_string();
-        self.refused.iter().find(|(known, _)| *known == reason).map_or(0, |it| it.1)
     }
 
     /// The one that is no longer among the last.
@@ -324,7 +286,7 @@ mod tests {
             let reason = reason.map(str::to_string);
             events.push(EventSummary { mu, reason, ..event() }, Means::default).unwrap();
         }
-        let refused: Vec<String> = events.refused().collect();
+        let refused: Vec<String> = events.counts.refused().collect();
         assert_eq!(refused, ["2 not counted: b", "1 not counted: a"]);
     }
 

@@ -10,6 +10,7 @@ pub mod abridged;
 pub mod batches;
 pub mod budget;
 pub mod check;
+pub mod counts;
 pub mod doubts;
 pub mod event_rows;
 pub mod events;

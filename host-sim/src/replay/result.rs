@@ -207,7 +207,7 @@ impl ReplayResult {
             last.weight_ratio = known.weight_ratio.into();
             last.weight_ratio_std = known.weight_ratio_std.into();
         }
-        let omega = report.omega_rad_per_s.filter(|_| events.determine_omega());
+        let omega = report.omega_rad_per_s.filter(|_| events.counts.determine_omega());
         let quantities = Quantities::new(config, report, omega);
         events.finish(quantities, [report.mu_s.into(), report.mu.into()]);
         let quantities = quantities.with(&events, (config, report));

@@ -184,7 +184,7 @@ fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
             estimate.events
         )?;
     }
-    result.events.refused().try_for_each(|it| writeln!(out, "       {it}"))?;
+    result.events.counts.refused().try_for_each(|it| writeln!(out, "       {it}"))?;
     writeln!(out)
 }
 

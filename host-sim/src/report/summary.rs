@@ -35,7 +35,7 @@ fn definitions() -> String {
 /// Notices: no result, a change of the block or of its friction, a drift of the zero.
 fn notices(result: &ReplayResult) -> String {
     let notice = |kind: &str, safe: &str| format!("<p class=\"notice\">{kind}: {safe}.</p>");
-    let refused = result.events.refused().map(|it| notice("Events", &escape(&it)));
+    let refused = result.events.counts.refused().map(|it| notice("Events", &escape(&it)));
     let steady = abridged(&result.stretches.steady, SteadySummary::sentence);
     let steady = steady.map(|it| notice("Steady", &escape(&it.replace("F/W -", "F/W −"))));
     let unclear = abridged(&result.stretches.not_understood, NotUnderstood::sentence);
