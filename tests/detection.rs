@@ -2,7 +2,7 @@
 //! noise, sampling and cable.
 
 use floe::bench::matching::Detection;
-use floe::sim::terms::Sag;
+use floe::sim::terms::{Sag, Variation};
 use floe::sim::{Measurement, Scene};
 use floe_tests::scenes;
 use floe_tests::score::run;
@@ -86,4 +86,17 @@ fn a_cable_that_sags_hides_no_slip() {
     let detection = found(&scene, 1..=12);
     assert!(detection.hits + detection.misses > 100, "{detection:?}");
     assert!(detection.f1() >= 0.99, "{:.3} {detection:?}", detection.f1());
+}
+
+/// Friction that scatters by more than a third of the drop: small slips follow large ones after
+/// rests of two or three samples, before a stick line is known.
+#[test]
+fn small_slips_after_brief_rests_are_found() {
+    let mut scene = Scene { duration_s: 240.0, ..scenes::stored("honesty/base") };
+    (scene.mu_s, scene.mu) = (0.95, 0.8);
+    scene.variation = Some(Variation { mu_s_fraction: 0.06, mu_fraction: 0.01 });
+    let found = found(&scene, 1..=8);
+    println!("{found:?}");
+    assert!(found.misses * 1000 < found.hits, "{found:?}");
+    assert!(found.false_alarms == 0, "{found:?}");
 }
