@@ -115,8 +115,8 @@ impl CycleTracker {
         let is_fast = slip.limit - slip.extremes().0 < FAST;
         let without_rest = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
         let without_rest = (loads_fast || unsure).then_some(without_rest);
-        let is_slack = fit.filter(|_| event.slack);
-        let hangs = is_slack.is_some_and(|it| self.slackness.is_long(it) || hangs);
+        let slack = fit.filter(|_| event.slack);
+        let hangs = slack.is_some_and(|it| self.slackness.is_long(it) || hangs);
         let hangs = hangs.then_some(Reason::LetGo);
         let reason = refusal::of_event(event).or(hangs).or(overlaps).or(without_rest);
         // An event refused for reasons of its own is no evidence that the others are aliased,

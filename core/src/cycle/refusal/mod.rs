@@ -39,8 +39,8 @@ const LARGEST: f32 = 3.0;
 /// A cable that stays slack for longer was let go.
 const LEAST_RATIO: f32 = 0.1;
 /// The same where the stiffness from the winch does not confirm the slip: at 0.3, slack for two
-/// long as the force took to rise. A choice: cables wound up by hand and let go at once have about a
-/// fifth, the slack cables of `docs/honesty.md` two fifths.
+/// thirds of the time in which the force rose. A choice: cables wound up by hand and let go at once
+/// have a fifth to a quarter, the slack cables of `docs/honesty.md` two fifths.
 pub(super) const LEAST_UNCONFIRMED: f32 = 0.3;
 
 /// Why a fall gives no coefficient, as far as that is known without a fit. Arguments: the line
