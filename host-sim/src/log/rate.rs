@@ -20,18 +20,20 @@ const NEAR: f64 = 0.02;
 /// Error for an invalid rate, with the unit in which it would be valid; `unit`: that of the stamps.
 #[must_use]
 pub fn no_rate(rate_hz: f64, unit: TimeUnit) -> InputError {
-    if matches!(
-        unit,
-        TimeUnit::Millisecond | TimeUnit::Microsecond | TimeUnit::Nanosecond | TimeUnit::Minute
-    ) {
-        return no_rate_in(unit, rate_hz);
+    use TimeUnit::{Epoch, Excel, Iso, Microsecond, Millisecond, Minute, Nanosecond, Second};
+    match unit {
+        Millisecond | Microsecond | Nanosecond | Minute => no_rate_in(unit, rate_hz),
+        Second | Iso | Epoch | Excel => no_rate_in_seconds(rate_hz),
     }
-    let units =
-        [("ms", 1e3), ("us", 1e6), ("ns", 1e9), ("min", 1.0 / 60.0), ("excel", 1.0 / 86_400.0)];
-    let fits = |(_, seconds): &&(&str, f64)| RATES_HZ.contains(&(rate_hz * seconds));
-    let unit = units.iter().find(fits).map_or_else(
+}
+
+/// Error for times that count as seconds.
+fn no_rate_in_seconds(rate_hz: f64) -> InputError {
+    use TimeUnit::{Excel, Microsecond, Millisecond, Minute, Nanosecond, Second};
+    let others = [Millisecond, Microsecond, Nanosecond, Minute, Excel];
+    let unit = would_be(rate_hz, Second, &others).map_or_else(
         || "--time-unit, or turn it into seconds".to_string(),
-        |(unit, seconds)| format!("--time-unit; in {unit} they would be {:.3}", rate_hz * seconds),
+        |said| format!("--time-unit; {said}"),
     );
     let is_rate = |unit_s: f64| RATES_HZ.contains(&(rate_hz / unit_s));
     let hours = Some(rate_hz / 3600.0).filter(|_| is_rate(3600.0) && !is_rate(DAY_S));
@@ -45,22 +47,30 @@ pub fn no_rate(rate_hz: f64, unit: TimeUnit) -> InputError {
     ))
 }
 
-/// Error for times in a stated unit, with the unit in which their rate would be valid.
+/// Error for times in a stated unit.
 fn no_rate_in(unit: TimeUnit, rate_hz: f64) -> InputError {
     use TimeUnit::{Microsecond, Millisecond, Minute, Nanosecond, Second};
-    let size_s = |unit: TimeUnit| unit.seconds(b"1", Decimal::Any).unwrap_or(1.0);
-    let rate_in = |other: TimeUnit| (other, rate_hz * size_s(unit) / size_s(other));
-    let others = [Second, Millisecond, Microsecond, Nanosecond, Minute].map(rate_in);
-    let other = others.into_iter().find(|(_, rate_hz)| RATES_HZ.contains(rate_hz));
-    let would_be = other.map_or_else(String::new, |(other, rate_hz)| {
-        format!("; in {} they would be {rate_hz:.3}", other.name())
-    });
+    let others = [Second, Millisecond, Microsecond, Nanosecond, Minute];
+    let said = would_be(rate_hz, unit, &others);
+    let would_be = said.map_or_else(String::new, |said| format!("; {said}"));
     let thin = if rate_hz > 1.0 { "thin the log if that is so, else " } else { "" };
     InputError::new(format!(
         "the time stamps in {} say {rate_hz:.6} samples per second, not 1 to 2000{would_be}: {thin}correct \
          the unit where the log or --time-unit says it",
         unit.name()
     ))
+}
+
+/// The first unit in which a rate of stamps in `unit` would be valid, and that rate.
+fn would_be(rate_hz: f64, unit: TimeUnit, others: &[TimeUnit]) -> Option<String> {
+    // A serial date has its zero elsewhere.
+    let at_s = |unit: TimeUnit, cell: &[u8]| unit.seconds(cell, Decimal::Any);
+    let size_s = |unit: TimeUnit| Some(at_s(unit, b"1")? - at_s(unit, b"0")?);
+    let rate_in =
+        |other: &TimeUnit| Some((other.name(), rate_hz * size_s(unit)? / size_s(*other)?));
+    let mut rates = others.iter().filter_map(rate_in);
+    let (name, rate_hz) = rates.find(|(_, rate_hz)| RATES_HZ.contains(rate_hz))?;
+    Some(format!("in {name} they would be {rate_hz:.3}"))
 }
 
 /// Rejects a given rate with which samples would count as duplicates or gaps. Returns a warning for

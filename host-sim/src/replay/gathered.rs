@@ -27,7 +27,7 @@ pub(super) struct Gathered<'a> {
     period_s: f64,
     /// What was said of the winch, still to come.
     winch_marks: Peekable<vec::IntoIter<WinchMark>>,
-    /// When it was said first.
+    /// Time of the first of all.
     marked_s: Option<f64>,
     timeline: Timeline,
     events: Events,
@@ -40,14 +40,15 @@ pub(super) struct Gathered<'a> {
 
 impl<'a> Gathered<'a> {
     pub fn new(config: &'a Config, pipeline: Pipeline, log: &Log, keeps_means: bool) -> Self {
-        let (rate_hz, marks) = (log.rate_hz(), log.metadata().winch_marks.clone());
+        let rate_hz = log.rate_hz();
+        let marks = log.metadata().winch_marks.clone().unwrap_or_default();
         Self {
             config,
             pipeline,
             keeps_means,
             period_s: 1.0 / rate_hz,
-            winch_marks: marks.unwrap_or_default().into_iter().peekable(),
-            marked_s: None,
+            marked_s: marks.first().map(|mark| mark.from_s),
+            winch_marks: marks.into_iter().peekable(),
             timeline: Timeline::new(rate_hz),
             events: Events::default(),
             kept: Ok(()),
@@ -64,7 +65,6 @@ impl<'a> Gathered<'a> {
         let next_s = sample.time_s + 0.5 * self.period_s;
         while let Some(mark) = self.winch_marks.next_if(|mark| mark.from_s < next_s) {
             self.pipeline.mark_winch(mark.turns);
-            self.marked_s.get_or_insert(mark.from_s);
         }
         let step = self.pipeline.step(sample.raw);
         if let Some(force_n) = step.sample.force_n {
