@@ -23,11 +23,6 @@ type Method = (&'static str, fn(&Path) -> Outcome);
 const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/dff8-13.toml");
 const SAMPLES: u64 = 10_000_000;
 const TURNS: usize = 5;
-/// Ends of the names of files that methods make; to remove them takes no part in the measurement.
-const MADE: [&str; 3] = [JSON, LOG, PARQUET];
-const JSON: &str = "json";
-const LOG: &str = "simulated.csv";
-const PARQUET: &str = "parquet";
 /// Compared with the first; each gives the number of rows it saw.
 const METHODS: [Method; 10] = [
     ("csv crate, records", csv_records),
@@ -122,16 +117,16 @@ fn cost(name: &str, python: Option<&str>, path: &Path) -> Option<Cost> {
 
 fn measure(name: &str, path: &Path) -> Result<(), Box<dyn Error>> {
     let (_, method) = METHODS.iter().find(|method| method.0 == name).ok_or("no such method")?;
+    std::fs::create_dir_all(made(path))?;
     let begin = Instant::now();
     let rows = method(path)?;
     println!("{rows} {} {} {}", begin.elapsed().as_secs_f64(), cpu_s()?, peak_kib()?);
-    for end in MADE {
-        let made = path.with_extension(end);
-        if made.exists() {
-            std::fs::remove_file(made)?;
-        }
-    }
-    Ok(())
+    Ok(std::fs::remove_dir_all(made(path))?)
+}
+
+/// Folder of the files that a method makes; to remove them takes no part in the measurement.
+fn made(path: &Path) -> PathBuf {
+    path.with_extension("made")
 }
 
 /// Medians over the turns; what a ratio varied by over them behind it.
@@ -270,9 +265,8 @@ fn reader_and_core(path: &Path) -> Outcome {
 }
 
 fn whole_replay(path: &Path) -> Outcome {
-    let json = path.with_extension(JSON);
-    let options = ["--summary".as_ref(), "--json".as_ref(), json.as_os_str()];
-    command(&[&["replay".as_ref(), path.as_os_str()], &options[..]].concat())?;
+    let json = made(path).join("result.json");
+    command(&[&"replay", &path, &"--summary", &"--json", &json])?;
     let lines = BufReader::new(File::open(&json)?).lines();
     let samples = lines.map_while(Result::ok).find_map(|line| {
         let (_, count) = line.split_once("\"samples\": ")?;
@@ -282,9 +276,9 @@ fn whole_replay(path: &Path) -> Outcome {
 }
 
 /// A command of `floe` in this process.
-fn command(arguments: &[&OsStr]) -> Result<(), floe::error::InputError> {
-    let program = OsStr::new("floe");
-    floe::cli::run(std::iter::once(&program).chain(arguments).map(OsString::from))
+fn command(arguments: &[&dyn AsRef<OsStr>]) -> Result<(), floe::error::InputError> {
+    let arguments = arguments.iter().map(|it| it.as_ref().to_os_string());
+    floe::cli::run(std::iter::once(OsString::from("floe")).chain(arguments))
 }
 
 /// Nothing is written.
@@ -322,19 +316,17 @@ fn simulate(mut put: impl FnMut(&Sample) -> std::io::Result<()>) -> Outcome {
 }
 
 fn simulate_command(path: &Path) -> Outcome {
-    let log = path.with_extension(LOG);
+    let log = made(path).join("log.csv");
     let seconds = (SAMPLES as f64 / 16.0).to_string();
-    let options = ["-o".as_ref(), log.as_os_str(), "--duration-s".as_ref(), seconds.as_ref()];
-    command(&[&["simulate".as_ref(), SCENE.as_ref()], &options[..]].concat())?;
+    command(&[&"simulate", &SCENE, &"-o", &log, &"--duration-s", &seconds])?;
     Ok(SAMPLES)
 }
 
 /// Rows are tests.
 fn campaign(path: &Path) -> Outcome {
     const PROGRAMMES: u32 = 1000;
-    let (repeat, parquet) = (PROGRAMMES.to_string(), path.with_extension(PARQUET));
-    let options = ["--repeat".as_ref(), repeat.as_ref(), "--parquet".as_ref(), parquet.as_ref()];
-    command(&[&["campaign".as_ref()], &options[..]].concat())?;
+    let (repeat, parquet) = (PROGRAMMES.to_string(), made(path).join("events.parquet"));
+    command(&[&"campaign", &"--repeat", &repeat, &"--parquet", &parquet])?;
     Ok((PROGRAMMES * programme::TESTS).into())
 }
 
