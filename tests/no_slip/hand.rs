@@ -7,8 +7,7 @@ use crate::{HZ, SEEDS, config, noisy, read};
 
 /// Loading rate of the winch, N/s.
 const RATE: f64 = 360.0;
-/// Time in which a cable is wound up slowly, and length of such a record, s.
-const WINDING_S: f64 = 8.0;
+/// Length of a record, s.
 const DURATION_S: f64 = 120.0;
 
 /// Repeated action of a hand.
@@ -42,7 +41,7 @@ fn a_cable_that_was_held_gives_no_coefficient() {
             let hand = Hand { top_n, hold_s, fall_s, slack_s };
             let (mut falls, mut coefficients) = (0, 0);
             for seed in 1..=SEEDS {
-                let record = noisy(seed, 120.0, |t| hand.force_n(t + phase(seed) / HZ));
+                let record = noisy(seed, DURATION_S, |t| hand.force_n(t + phase(seed) / HZ));
                 let outcome = read(&config(), record);
                 falls += outcome.events.len();
                 coefficients += outcome.coefficients();
@@ -55,29 +54,55 @@ fn a_cable_that_was_held_gives_no_coefficient() {
     assert!(seen > 10_000 && believed * 50 < seen, "{believed} of {seen}");
 }
 
-/// Falls and coefficients of a cable wound up evenly in 8 s and let go from the top, where the speed
-/// of the winch is known, over records of [`DURATION_S`].
-fn wound_up(fall_s: f64, slack_s: f64) -> (usize, usize) {
-    let config = Config { winch_m_per_s: Some(0.0157), ..config() };
-    let (mut falls, mut coefficients) = (0, 0);
-    for seed in 1..=SEEDS {
-        let force_n = |t: f64| {
-            let t = (t + phase(seed) / HZ) % (WINDING_S + fall_s + slack_s);
-            470.0 * (t / WINDING_S).min(1.0 - (t - WINDING_S) / fall_s).max(0.0)
-        };
-        let outcome = read(&config, noisy(seed, DURATION_S, force_n));
-        falls += outcome.events.len();
-        coefficients += outcome.coefficients();
+/// A cable that is wound up evenly and let go from the top, without a hold.
+#[derive(Clone, Copy, Debug)]
+struct WoundUp {
+    top_n: f64,
+    /// Duration of the winding, of the release, and of the following slack, s.
+    up_s: f64,
+    fall_s: f64,
+    slack_s: f64,
+    /// By how much the slack is longer in some records than in others, s.
+    spread_s: f64,
+}
+
+impl WoundUp {
+    /// In 8 s, far more slowly than by the winch of [`known`].
+    fn slowly(fall_s: f64, slack_s: f64) -> Self {
+        Self { top_n: 470.0, up_s: 8.0, fall_s, slack_s, spread_s: 0.0 }
     }
-    println!("{fall_s} {slack_s}: {coefficients} of {falls} falls with coefficients");
-    (falls, coefficients)
+
+    /// Releases, falls and coefficients in records of [`DURATION_S`].
+    fn read(self, config: &Config) -> [usize; 3] {
+        let Self { top_n, up_s, fall_s, slack_s, spread_s } = self;
+        let (mut released, mut falls, mut coefficients) = (0, 0, 0);
+        for seed in 1..=SEEDS {
+            let period_s = up_s + fall_s + slack_s + spread_s * phase(seed);
+            let force_n = |t: f64| {
+                let t = (t + phase(seed) / HZ) % period_s;
+                top_n * (t / up_s).min(1.0 - (t - up_s) / fall_s).max(0.0)
+            };
+            let outcome = read(config, noisy(seed, DURATION_S, force_n));
+            released += (DURATION_S / period_s) as usize;
+            falls += outcome.events.len();
+            coefficients += outcome.coefficients();
+        }
+        let winch = config.winch_m_per_s;
+        println!("{self:?}, winch {winch:?}: {coefficients} of {falls} falls, {released} releases");
+        [released, falls, coefficients]
+    }
+}
+
+/// The speed of the winch is known.
+fn known() -> Config {
+    Config { winch_m_per_s: Some(0.0157), ..config() }
 }
 
 /// Let go at once: the cable is loaded far too slowly for a slip that fast.
 #[test]
 fn a_cable_wound_up_slowly_and_let_go_gives_no_coefficient() {
     for (fall_s, slack_s) in [(0.03, 0.0), (0.06, 0.0), (0.12, 0.0), (0.06, 1.5), (0.12, 1.5)] {
-        let (falls, coefficients) = wound_up(fall_s, slack_s);
+        let [_, falls, coefficients] = WoundUp::slowly(fall_s, slack_s).read(&known());
         assert!(falls > 150 && coefficients * 20 < falls, "{fall_s} {slack_s} {coefficients}");
     }
 }
@@ -86,15 +111,14 @@ fn a_cable_wound_up_slowly_and_let_go_gives_no_coefficient() {
 #[test]
 fn a_cable_let_go_evenly_gives_no_coefficient() {
     for (fall_s, slack_s) in [(0.2, 1.5), (0.25, 1.5), (0.3, 0.2)] {
-        let (_, coefficients) = wound_up(fall_s, slack_s);
-        let released = SEEDS as usize * (DURATION_S / (WINDING_S + fall_s + slack_s)) as usize;
+        let [released, _, coefficients] = WoundUp::slowly(fall_s, slack_s).read(&known());
         assert!(coefficients * 20 < released, "{fall_s} {slack_s} {coefficients} of {released}");
     }
 }
 
-/// Wound up in some seconds and let go from the top at once, without a hold, slack for some seconds:
-/// at most one release in twenty has a coefficient, and one in eight if a winch speed is stated that
-/// fits the hand's by chance.
+/// Wound up in some seconds and let go at once, slack for some seconds: at most one release in
+/// twenty has a coefficient, and one in eight if a winch speed is stated that fits the hand's by
+/// chance.
 #[test]
 fn a_cable_wound_up_and_let_go_without_a_hold_gives_no_coefficient() {
     for (top_n, up_s, fall_s, slack_s) in [
@@ -104,22 +128,10 @@ fn a_cable_wound_up_and_let_go_without_a_hold_gives_no_coefficient() {
         (360.0, 3.0, 0.06, 4.94),
         (360.0, 5.0, 0.2, 3.8),
     ] {
-        for winch_m_per_s in [None, Some(0.0157)] {
-            let config = Config { winch_m_per_s, ..config() };
-            let (mut released, mut coefficients) = (0.0, 0);
-            for seed in 1..=SEEDS {
-                let period_s = up_s + fall_s + slack_s + phase(seed);
-                let force_n = |t: f64| {
-                    let t = (t + phase(seed) / HZ) % period_s;
-                    top_n * (t / up_s).min(1.0 - (t - up_s) / fall_s).max(0.0)
-                };
-                coefficients += read(&config, noisy(seed, DURATION_S, force_n)).coefficients();
-                released += DURATION_S / period_s;
-            }
-            let of = format!("{top_n} N in {up_s} s, {fall_s} s, winch {winch_m_per_s:?}");
-            println!("{of}: {coefficients} of {released:.0} releases with coefficients");
-            let most = if winch_m_per_s.is_some() { released / 8.0 } else { released / 20.0 };
-            assert!((coefficients as f64) < most, "{of}: {coefficients} of {released:.0}");
+        for (config, part) in [(config(), 20), (known(), 8)] {
+            let cable = WoundUp { top_n, up_s, fall_s, slack_s, spread_s: 1.0 };
+            let [released, _, coefficients] = cable.read(&config);
+            assert!(coefficients * part < released, "{cable:?}: {coefficients} of {released}");
         }
     }
 }
