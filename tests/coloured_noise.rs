@@ -3,6 +3,7 @@
 //! do; until then no answer may be much worse than one from the lines alone.
 
 use floe::sim::Scene;
+use floe::sim::terms::WinchProfile;
 use floe_core::{Effect, Effects};
 use floe_tests::scenes::stored;
 use floe_tests::score::{Score, rms, run_looking_for};
@@ -10,6 +11,9 @@ use floe_tests::score::{Score, rms, run_looking_for};
 const RECORDS: u64 = 8;
 /// Smallest number of events of a scene whose coverage is checked.
 const EVENTS: usize = 200;
+
+/// The same with brief rests, of which each tells less.
+const BRIEF_EVENTS: usize = 1500;
 
 /// Root-mean-square errors of `mu_s` and `mu` over all events, including the first ones, and their
 /// numbers.
@@ -72,6 +76,36 @@ fn slow_noise_in_long_rests_is_no_swing() {
         assert!(score.share_read() > 0.9, "{name}: {} read", score.share_read());
         let coverage = score.errors.each_ref().map(|it| it.coverage());
         println!("{name}: mu_s and mu covered {coverage:.3?}");
+        assert!(coverage.iter().all(|it| *it > 0.87), "{name}: {coverage:?}");
+    }
+}
+
+/// Rests of nine and twelve samples show correlated noise and a winch that cogs as well: 95 %
+/// intervals cover the truth.
+#[test]
+fn brief_rests_show_what_is_not_white() {
+    let noise = |weight_n: f64, correlation: f64| {
+        let mut scene = Scene { weight_n, ..stored("honesty/ar1_50") };
+        scene.measurement.white_n = 0.0;
+        if let Some(coloured) = &mut scene.measurement.coloured {
+            (coloured.correlation, coloured.std_n) = (correlation, 2.0);
+        }
+        (format!("{weight_n} N, noise correlated by {correlation}"), scene)
+    };
+    let cogs = |weight_n: f64, period_s: f64| {
+        let winch_profile = Some(WinchProfile::Ripple { fraction: 0.2, period_s });
+        let mut scene = Scene { weight_n, winch_profile, ..stored("honesty/cogging_5") };
+        scene.measurement.white_n = 1.0;
+        (format!("{weight_n} N, cogging in {period_s} s"), scene)
+    };
+    let scenes = [noise(225.0, 0.3), noise(225.0, 0.5), noise(300.0, 0.3), noise(300.0, 0.5)]
+        .into_iter()
+        .chain([cogs(225.0, 0.6), cogs(300.0, 0.4), cogs(300.0, 0.6)]);
+    for (name, scene) in scenes {
+        let score = Score::of(&scene, BRIEF_EVENTS, RECORDS);
+        let coverage = score.errors.each_ref().map(|it| it.coverage());
+        println!("{name}: {:.3} read, mu_s and mu covered {coverage:.3?}", score.share_read());
+        assert!(score.share_read() > 0.9, "{name}: {} read", score.share_read());
         assert!(coverage.iter().all(|it| *it > 0.87), "{name}: {coverage:?}");
     }
 }

@@ -255,6 +255,7 @@ impl Detector {
         self.update_usual(drop, since(peak.index, low.index));
         // Only now is the usual rise known, by which the first onset lies before its peak.
         self.shorten_line();
+        self.test_end();
         self.middle_n = peak.force_n - 0.5 * larger(drop, self.usual_drop_n);
         self.rest_from(now, now.index + 1);
         self.slack_wait = wait;

@@ -87,6 +87,14 @@ impl Stick {
         Some(force_n - self.line.at(time, slope))
     }
 
+    /// A sample's distance from the line in units of the innovation's standard deviation, for late
+    /// samples with a noise of one; `variance` is the sample's. `None` with fewer than two.
+    #[inline(always)]
+    pub(super) fn innovation_n(&self, time: f32, force_n: f32, variance: f32) -> Option<f32> {
+        let slope = self.line.slope()?;
+        Some((force_n - self.line.at(time, slope)) / self.spread(time, variance))
+    }
+
     /// Standard deviation of an innovation, units of a late sample's; `variance` is the sample's.
     #[inline(always)]
     pub(super) fn spread(&self, time: f32, variance: f32) -> f32 {

@@ -14,11 +14,9 @@ const FASTEST: f32 = 0.8;
 /// Largest such ratio, at more than 20 samples, with which an oscillation is followed as a bend is:
 /// a line has too little of it to distinguish the two.
 const QUICK: f32 = 0.1;
-/// Factor on the variance of a line under correlated noise: the residuals show too little of the
-/// noise, for the line takes all that is slower than itself. Tuned with correlations of .5 and .9
-/// and rests of 20 samples: a smaller number makes the intervals at .9 too narrow, a larger one
-/// those at .5 twice too wide.
-const HIDDEN: f32 = 1.75;
+/// Most correlation of neighbours for which a line's variance is computed: with more it grows
+/// beyond what so short a rest tells.
+const MOST_ALIKE: f32 = 0.9;
 /// Least and most `γ₂/γ₁` of correlated noise, with the autocovariance `γ_k` at lag `k`. With less
 /// it is white enough, with more it cannot be distinguished from a trend.
 const RED: (f32, f32) = (0.2, 0.8);
@@ -37,7 +35,7 @@ const BENT: f32 = 1.0 / 50.0;
 const NO_CHANCE: f32 = 2.0;
 /// Number of samples below which a bend and correlated noise cannot be distinguished: either is
 /// then treated as a bend.
-const ENOUGH_FOR_BEND: f32 = 200.0;
+const ENOUGH_FOR_BEND: f32 = 240.0;
 /// Variance that such a bend leaves open, over the correlated part of the innovations'. Tuned with
 /// cables that sag: without it the scene `all` covers .62 of its `mu_s`.
 const UNSURE_BEND: f32 = 6.0;
@@ -49,8 +47,9 @@ const LIKELY: f32 = 3.4;
 /// or followed. White noise shows this in one look of 50 000: the standard errors are up to 1.5
 /// times those of its two autocovariances together.
 const CLEAR: f32 = 7.0;
-/// Standard errors from which on correlated neighbours count. Tuned: 2.6 widens dff8-13 by 1 %.
-const LIKELY_RED: f32 = 3.0;
+/// Standard errors from which on correlated neighbours count. Tuned: with 3 the intervals of `heavy`
+/// widen by more than 3 % at the median, with 3.5 coloured noise is found later.
+const LIKELY_RED: f32 = 3.2;
 
 /// Sums over innovations.
 #[derive(Clone, Copy, Debug, Default)]
@@ -88,8 +87,8 @@ impl Sums {
         let (oscillation_n2, cosine) = self.oscillation();
         let part = oscillation_n2 / self.squares;
         let errors = part * part * self.count;
-        // NaN where there are no squares.
-        if self.count < FEWEST || errors.is_nan() {
+        // NaN where there are no squares, more than all of them where single samples decide.
+        if self.count < FEWEST || errors.is_nan() || part > 1.0 {
             return ColoredNoise::NONE;
         }
         let limit = larger(BENT * self.count, NO_CHANCE);
@@ -144,8 +143,9 @@ impl Sums {
     fn followed(&self, unsure: f32, fastest: f32) -> ColoredNoise {
         let white = self.second_differences / 6.0;
         let slow = self.squares - white;
-        let limit = 2.0 * SIGNIFICANT * white;
-        let sure = slow * slow * self.count > limit * limit;
+        // With few samples white noise scatters by chance, and is looked at anew after every rest.
+        let limit = 2.0 * SIGNIFICANT / math::sqrt(self.count);
+        let sure = slow > limit * (1.0 + 0.5 * limit) * white;
         let (level, step) = (slow / white, self.first_differences / white - 2.0);
         // False for a noise of zero as well.
         if !(slow > 0.0 && sure && step < fastest * level) {
@@ -196,16 +196,30 @@ impl Sums {
         self.far_differences * self.count / self.far_count
     }
 
-    /// Relative increase of a line's variance under noise whose correlation decays by the factor
-    /// `r = γ₂/γ₁`. That of a mean is `2 γ₁/γ₀ / (1 − r)`; dividing by another `1 − r` and the
-    /// factor [`HIDDEN`] allow for what a line hides. `r` is taken a standard error higher: a line
-    /// hides the more of the noise the higher `r` is, and beside white noise little can be seen.
-    /// Zero for noise that alternates.
+    /// Usual number of samples on a line: two determine it, and of the innovations of the others the
+    /// last does not count, nor do the first two, which have no two before them. Those with four
+    /// before them are two fewer again.
+    fn line_length(&self) -> f32 {
+        5.0 + 2.0 * self.count / larger(self.count - self.far_count, 1.0)
+    }
+
+    /// Relative increase of a line's variance under noise whose correlation decays by the factor `r`
+    /// per sample.
+    ///
+    /// That of a mean is `2 ρ/(1 − r)` with the correlation `ρ` of neighbours. A line through `n`
+    /// samples takes part of the noise: the innovations show `γ₂/γ₁ = r − (6 r + 0.4)/n`, and
+    /// `1 − (4 r + 1.5)/n` of `ρ`; and where other events tell its slope, the error of the end is larger by
+    /// `1 + 1/(n (1 − r))`. All three are fits to the covariances of such noise, for `n` of 10 to 40
+    /// and `r` of .3 to .9 (test below). `γ₂` is taken half a standard error higher, since little can
+    /// be seen beside white noise. Zero for noise that alternates.
     fn line_excess(&self) -> f32 {
-        let [first, second] = self.products;
-        let most = second + self.unsure();
-        let left = 1.0 - smaller(larger(most / first, 0.0), RED.1);
-        HIDDEN * 2.0 * larger(first, 0.0) / self.squares / (left * left)
+        let ([first, second], n) = (self.products, self.line_length());
+        let seen = (second + 0.5 * self.unsure()) / first;
+        let decay = (seen + 0.4 / n) / larger(1.0 - 6.0 / n, 0.1);
+        let decay = smaller(larger(decay, 0.0), MOST_ALIKE);
+        let alike = larger(first, 0.0) / self.squares / larger(1.0 - (4.0 * decay + 1.5) / n, 0.3);
+        let left = 1.0 - decay;
+        2.0 * alike / left * (1.0 + 1.0 / (n * left))
     }
 
     /// Σ of the squares of an oscillation, and the cosine of its angle per sample.
@@ -218,5 +232,85 @@ impl Sums {
         // No cosine is larger than one.
         let oscillation_n2 = larger(0.5 * (root - second), first.abs());
         (oscillation_n2, first / oscillation_n2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MOST: usize = 40;
+    type Weights = [f64; MOST];
+
+    /// Covariance of two weighted sums of noise whose correlation decays by `r` per sample.
+    fn covariance(a: &Weights, b: &Weights, r: f64) -> f64 {
+        let row = |i: usize| (0..MOST).map(move |j| b[j] * r.powi(i.abs_diff(j) as i32));
+        (0..MOST).map(|i| a[i] * row(i).sum::<f64>()).sum()
+    }
+
+    /// Weights of the first `n` samples in their line's value at a time.
+    fn line(n: usize, time: f64) -> Weights {
+        let middle = (n as f64 - 1.0) / 2.0;
+        let tt: f64 = (0..n).map(|i| (i as f64 - middle).powi(2)).sum();
+        let weight = |i: usize| 1.0 / n as f64 + (time - middle) * (i as f64 - middle) / tt;
+        core::array::from_fn(|i| if i < n { weight(i) } else { 0.0 })
+    }
+
+    fn square(a: &Weights) -> f64 {
+        a.iter().map(|x| x * x).sum()
+    }
+
+    /// Weights of the samples in the innovation of sample `k`.
+    fn innovation(k: usize) -> Weights {
+        let before = line(k, k as f64);
+        let spread = (1.0 + square(&before)).sqrt();
+        core::array::from_fn(|i| (f64::from(u8::from(i == k)) - before[i]) / spread)
+    }
+
+    /// What very many rests of `n` samples show on average.
+    fn shown(n: usize, r: f64) -> Sums {
+        const RESTS: f32 = 1e6;
+        // The first innovation is that of sample 2, the last one does not count.
+        let number = n - 3;
+        let of = |j: usize, lag: usize| covariance(&innovation(j + 2), &innovation(j + 2 - lag), r);
+        let sum = |lag: usize| RESTS * (2..number).map(|j| of(j, lag)).sum::<f64>() as f32;
+        let far = |j: usize| of(j, 0) + of(j - 4, 0) - 2.0 * of(j, 4);
+        Sums {
+            count: RESTS * (number - 2) as f32,
+            squares: sum(0),
+            products: [sum(1), sum(2)],
+            far_differences: RESTS * (4..number).map(far).sum::<f64>() as f32,
+            far_count: RESTS * (number - 4) as f32,
+            ..Sums::default()
+        }
+    }
+
+    /// True relative increase of the variance of a line's end, half a sample beyond its last one, and
+    /// of its mean, which the end is where other events tell the slope.
+    fn true_excess(n: usize, r: f64) -> [f64; 2] {
+        let left = |i: usize| {
+            let line = line(n, i as f64);
+            let off: Weights = core::array::from_fn(|j| f64::from(u8::from(i == j)) - line[j]);
+            covariance(&off, &off, r)
+        };
+        let own = (0..n).map(left).sum::<f64>() / (n as f64 - 2.0);
+        let excess = |of: Weights| covariance(&of, &of, r) / (own * square(&of)) - 1.0;
+        [n as f64 - 0.5, (n as f64 - 1.0) / 2.0].map(|time| excess(line(n, time)))
+    }
+
+    #[test]
+    fn a_lines_end_is_as_uncertain_as_its_innovations_tell() {
+        for n in [10, 14, 20, 28, 40] {
+            for r in [0.3, 0.5, 0.7, 0.8, 0.9] {
+                let shown = shown(n, r);
+                assert!((shown.line_length() - n as f32).abs() < 1e-3);
+                let [least, most] = true_excess(n, r);
+                let told = f64::from(shown.line_excess());
+                assert!(
+                    (0.8 * least..1.4 * most).contains(&told),
+                    "{n} {r}: {told} {least} {most}"
+                );
+            }
+        }
     }
 }
