@@ -4,8 +4,11 @@
 use floe::bench::matching::Detection;
 use floe::sim::terms::{Sag, Variation};
 use floe::sim::{Measurement, Scene};
-use floe_tests::scenes;
+use floe_core::{Config, Event, InputStd, Pipeline};
+use floe_tests::normal::Normal;
+use floe_tests::saw::{Slip, saw};
 use floe_tests::score::run;
+use floe_tests::{feed, scenes};
 
 /// Detection in records with these seeds.
 fn found(scene: &Scene, seeds: impl IntoIterator<Item = u64>) -> Detection {
@@ -99,4 +102,57 @@ fn small_slips_after_brief_rests_are_found() {
     println!("{found:?}");
     assert!(found.misses * 1000 < found.hits, "{found:?}");
     assert!(found.false_alarms == 0, "{found:?}");
+}
+
+/// Events of a block of 630 N.
+fn events(forces_n: &[f64]) -> Vec<Event> {
+    let config = Config { weight_n: 630.0, std: InputStd::EXACT, ..Config::default() };
+    let mut pipeline = Pipeline::new(&config).expect("the configuration is valid");
+    let mut events: Vec<Event> =
+        feed::in_a_row(forces_n).filter_map(|sample| pipeline.step(sample).event).collect();
+    events.extend(std::iter::from_fn(|| pipeline.finish()));
+    events
+}
+
+/// A part of the contact slips again soon after a slip, at a fraction of the force before it: such
+/// slips are found with their own coefficients, down to a fifth of the usual drop.
+#[test]
+fn a_part_that_slips_again_is_found() {
+    const RATE: f64 = 22.5;
+    for (gap, part) in [(6.0, 0.2), (6.0, 0.45), (12.0, 0.2), (12.0, 0.45)] {
+        let (mut again, mut found, mut others) = (0, 0, 0);
+        for seed in 1..=8 {
+            let mut normal = Normal::new(seed);
+            let mut slips = Vec::new();
+            for index in 0..50 {
+                let mut around = |force_n: f64| force_n * (1.0 + 0.01 * normal.sample());
+                let (static_n, dynamic_n) = (around(781.0), around(491.0));
+                slips.push(Slip { static_n, dynamic_n, omega: 1.18 });
+                if index % 5 == 3 {
+                    let static_n = 2.0 * dynamic_n - static_n + RATE * gap;
+                    let dynamic_n = static_n - part * (781.0 - 491.0);
+                    slips.push(Slip { static_n, dynamic_n, omega: 1.18 });
+                }
+            }
+            let (mut forces_n, onsets) = saw(&slips, RATE, 20.0 + normal.sample());
+            forces_n.iter_mut().for_each(|it| *it += 2.0 * normal.sample());
+            let events = events(&forces_n);
+            let is_at = |event: &Event, onset: f64| {
+                (f64::from(event.onset.index) + f64::from(event.onset.fraction) - onset).abs() < 1.0
+            };
+            let small = |slip: &Slip| slip.static_n - slip.dynamic_n < 200.0;
+            for (_, &onset) in slips.iter().zip(&onsets).filter(|(slip, _)| small(slip)) {
+                again += 1;
+                found += usize::from(events.iter().any(|it| it.mu_s.is_some() && is_at(it, onset)));
+            }
+            let is_other = |it: &&Event| !onsets.iter().any(|&onset| is_at(it, onset));
+            others += events.iter().filter(is_other).count();
+        }
+        println!("after {gap} samples, {part} of a drop: {found} of {again}, {others} others");
+        // The first one comes before the usual drop is known.
+        assert!(
+            found * 20 >= again * 19 && others == 0,
+            "{gap} {part}: {found} of {again}, {others}"
+        );
+    }
 }

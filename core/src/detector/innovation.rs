@@ -26,6 +26,11 @@ impl Detector {
         self.profile.get().map_or(1.0, |it| it.variance(since(self.stick.origin, index)))
     }
 
+    /// Does the cable flop after slips?
+    pub(super) fn flops(&self) -> bool {
+        self.profile.get().is_some_and(|profile| !profile.is_flat())
+    }
+
     /// Does the stick line describe the force? `false` where the block never rests long enough,
     /// `true` while the scatter of the innovations is unknown.
     #[inline(never)]

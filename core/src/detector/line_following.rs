@@ -8,7 +8,6 @@ use crate::detector::onset::OFF_LINE;
 use crate::detector::slack_wait;
 use crate::detector::stick_line::{LINE_POINTS, Stick};
 use crate::effect::Effect;
-use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
 use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, periods_between};
@@ -184,7 +183,7 @@ impl Detector {
                 }
             }
             // The first innovations of a cable that flops are its oscillation.
-            let counts = is_known || self.profile.get().is_none_or(FlopProfile::is_flat);
+            let counts = is_known || !self.flops();
             if self.tests_lines() && counts {
                 self.ripple.update(|ripple| ripple.add(innovation, weight));
             }
@@ -201,7 +200,7 @@ impl Detector {
     /// Leaves out a sample off the line; several on one side start a new line.
     #[inline(never)]
     fn strike(&mut self, index: u32, innovation: f32) {
-        let stick = &mut self.stick;
+        let (flops, stick) = (self.flops(), &mut self.stick);
         let side = if innovation > 0.0 { 1 } else { -1 };
         let goes_on = stick.strikes.signum() == side;
         stick.strikes = if goes_on { stick.strikes + side } else { side };
@@ -214,7 +213,7 @@ impl Detector {
         stick.next = start;
         stick.start_line(start);
         // A cable that flops leaves the line as well, at an unchanged rate.
-        stick.broken = self.profile.get().is_none_or(FlopProfile::is_flat);
+        stick.broken = !flops;
         // Earlier samples, a spike perhaps, are not the highest of this line.
         stick.highest = ForcePoint { index: start, force_n: f32::NEG_INFINITY };
         for past in start..self.last.index + 1 {

@@ -16,17 +16,17 @@ const FIRST_DROP: f32 = 8.0;
 /// Least drop of a slip once the usual drop is known, or without a line, standard deviations of the
 /// noise: as [`OFF_LINE`].
 const LEAST_DROP: f32 = 6.0;
-/// Least drop of a slip that starts in the upper half of the usual range, parts of the usual drop:
-/// a part of the contact may slip alone. Flop of the cable starts in the lower half. Tuned: a
-/// higher value misses partial slips, a lower one takes ripple for them.
+/// Least drop of a slip from a stick line, parts of the usual drop: a part of the contact may slip
+/// alone. Tuned: a higher value misses partial slips, a lower one takes ripple for them.
 const LEAST_PART: f32 = 0.05;
 /// Least drop of a slip in the upper half without a line, parts of the usual drop: one sample that
 /// is too high would feign a smaller drop. Tuned: with 0.35 one in 300 of small slips after rests of
 /// two samples is missed (`tests/detection.rs`), with 0.1 fits of slips every eight to ten samples
 /// get worse.
 const LEAST_PART_BRIEF: f32 = 0.2;
-/// Least drop of a slip that starts in the lower half, parts of the usual drop. Tuned: a lower
-/// value takes flop for slips.
+/// Least drop of a slip that starts in the lower half of the usual range without a line, or where
+/// cables flop, which begins there, parts of the usual drop. Tuned: a lower value takes flop for
+/// slips.
 const LEAST_PART_LOW: f32 = 0.5;
 /// Most samples by which a slip is detected late: going back over them takes 16 of the 62 units of
 /// time of a step.
@@ -63,10 +63,11 @@ impl Detector {
                 _ => f32::INFINITY,
             };
         }
-        let part = match stick.highest.force_n > self.middle_n {
-            true if has_line => LEAST_PART,
-            true => LEAST_PART_BRIEF,
-            false => LEAST_PART_LOW,
+        let is_high = stick.highest.force_n > self.middle_n;
+        let part = match has_line {
+            true if is_high || !self.flops() => LEAST_PART,
+            false if is_high => LEAST_PART_BRIEF,
+            _ => LEAST_PART_LOW,
         };
         larger(LEAST_DROP * std, part * usual)
     }

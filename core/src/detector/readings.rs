@@ -95,8 +95,9 @@ impl Detector {
     /// Which of the two noise effects, flop and ripple, the recent rests show.
     #[must_use]
     pub(crate) fn found(&self) -> Effects {
-        let flops = self.profile.get().is_some_and(|profile| !profile.is_flat());
-        Effects::NONE.with(Effect::Flop, flops).with(Effect::Ripple, !self.wander().is_none())
+        Effects::NONE
+            .with(Effect::Flop, self.flops())
+            .with(Effect::Ripple, !self.wander().is_none())
     }
 
     /// Estimate of the flop from the recent rests.
