@@ -5,6 +5,7 @@ use crate::cycle::CycleTracker;
 use crate::cycle::expectations::Expectations;
 use crate::effect::{Effect, Effects, Parameter};
 use crate::effects::damping::Damping;
+use crate::effects::mass_change::Mass;
 use crate::effects::onset::Onset;
 use crate::effects::oscillation::Oscillation;
 use crate::effects::sag::Sag;
@@ -31,27 +32,26 @@ impl CycleTracker {
     #[must_use]
     pub(crate) fn shared(&self) -> (Option<Quantity>, Option<Quantity>) {
         let hz = self.site.rate_hz;
-        let Expectations { rate, mass, .. } = &self.learnt;
         let omega = |inverse: Quantity| {
             let value = hz / inverse.value;
             Quantity { value, std: value * inverse.std / inverse.value }
         };
-        let omega = mass.usual().known().filter(|_| self.determines_omega()).map(omega);
-        (rate.known().map(|rate| rate.times(hz)), omega)
+        let usual = self.learnt.usual_swing();
+        let omega = usual.known().filter(|_| self.determines_omega()).map(omega);
+        (self.learnt.rate.known().map(|rate| rate.times(hz)), omega)
     }
 
     /// Is the standard deviation of omega less than a third of it?
     fn determines_omega(&self) -> bool {
-        let (swing, variance) = self.learnt.mass.usual().now();
+        let (swing, variance) = self.learnt.usual_swing().now();
         9.0 * variance < swing * swing
     }
 
     /// Loading rate over omega, N; zero while one of them is unknown.
     #[must_use]
     pub(crate) fn overshoot_n(&self) -> f32 {
-        let Expectations { rate, mass, .. } = &self.learnt;
-        let swing = mass.usual().mean().filter(|_| self.determines_omega());
-        rate.mean().zip(swing).map_or(0.0, |(rate, swing)| rate * swing)
+        let swing = self.learnt.usual_swing().mean().filter(|_| self.determines_omega());
+        self.learnt.rate.mean().zip(swing).map_or(0.0, |(rate, swing)| rate * swing)
     }
 
     /// The effects found in the events, except changes of level and drifts.
@@ -99,7 +99,7 @@ impl CycleTracker {
 
     /// The site, with the weight that is now in use.
     pub(super) fn site(&self) -> Site {
-        let ratio = self.learnt.mass.weight_ratio();
+        let ratio = self.learnt.weight_ratio();
         let Site { weight_n, momentum, .. } = self.site;
         Site { weight_n: ratio * weight_n, momentum: ratio * momentum, ..self.site }
     }
@@ -126,6 +126,6 @@ impl CycleTracker {
     /// Weight in use over the given one, and its relative standard deviation.
     #[must_use]
     pub(crate) fn weight_ratio(&self) -> (f32, f32) {
-        self.learnt.mass.weight_ratio_and_std()
+        self.learnt.mass.get().map_or((1.0, 0.0), Mass::weight_ratio_and_std)
     }
 }
