@@ -2,7 +2,7 @@
 
 use crate::fit::slip_residuals::{OwnSwing, SlipResiduals, steepness};
 use crate::fit::{Fit, SWING, Variances, Without};
-use crate::model::corner::{Corner, Rounded};
+use crate::model::corner::{Corner, MAY_BE_ROUND, Rounded};
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::Wander;
 use crate::num::math::larger;
@@ -294,7 +294,7 @@ impl Model<'_> {
         // Changed in place, since it is large.
         let mut at = self.shape.force(time);
         at.0 = measured_n - at.0;
-        if let Some(rounded) = &self.rounded {
+        if let Some(rounded) = self.rounded() {
             let shift = rounded.shift(time - self.shape.cycle().onset);
             at.0 -= shift.force_n;
             at.1[0] -= shift.rate;
@@ -304,7 +304,12 @@ impl Model<'_> {
 
     /// Shift of the force by the corners at a time since the onset, N.
     fn shift_n(&self, since_onset: f32) -> f32 {
-        self.rounded.map_or(0.0, |rounded| rounded.shift(since_onset).force_n)
+        self.rounded().map_or(0.0, |rounded| rounded.shift(since_onset).force_n)
+    }
+
+    #[inline(always)]
+    fn rounded(&self) -> Option<&Rounded<'_>> {
+        self.rounded.as_ref().filter(|_| MAY_BE_ROUND)
     }
 }
 

@@ -215,7 +215,7 @@ impl SlipRecord {
         next_peak: u32,
         last: Option<u32>,
     ) {
-        if stick.first_from(stick.origin).count == 0 {
+        if stick.first_count() == 0 {
             self.take(window, next_peak.saturating_sub(1));
         }
         self.limit = since(self.origin, next_peak);
