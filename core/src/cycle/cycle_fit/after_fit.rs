@@ -31,7 +31,7 @@ pub(super) const LEVELS_A_STEP: usize = 12;
 
 impl CycleFit {
     /// Judges the misfit of the samples: noise, scatter in the slip, strain.
-    pub(super) fn judge(&mut self, learnt: &mut Expectations) {
+    pub(super) fn judge(&mut self, stage: &mut FitStage, learnt: &mut Expectations) {
         let (fit, slip, noise_n2) = (&mut self.fit, &self.slip, self.priors.noise_n2);
         let data = slip.data(&self.priors, &self.after);
         let (squares_n2, free) = own_residuals(&data, fit);
@@ -83,11 +83,11 @@ impl CycleFit {
         let places = OverOnset::new(fit, knows_swing, now_n2, slip.limit);
         if let Some(places) = places.filter(|_| !misfit) {
             self.priors = learnt.of(slip, &self.after, now_n2);
-            self.stage = FitStage::Places(places);
+            *stage = FitStage::Places(places);
             self.shorten();
         } else {
             self.measured.posterior = Posterior::at(fit, now_n2);
-            self.stage = FitStage::Learning;
+            *stage = FitStage::Learning;
         }
     }
 
@@ -106,7 +106,7 @@ impl CycleFit {
     }
 
     /// Updates the expectations of the next events.
-    pub(super) fn learn(&mut self, learnt: &mut Expectations) {
+    pub(super) fn learn(&mut self, stage: &mut FitStage, learnt: &mut Expectations) {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.slip));
         let (slip, data) = (&self.slip, self.slip.data(&self.priors, &self.after));
         self.measured.noise_n2 = noise_n2;
@@ -116,11 +116,11 @@ impl CycleFit {
         }
         let is_resolved = posterior.is_resolved();
         if slip.hides_length(learnt.knows_omega()) {
-            self.stage = FitStage::Failed(Reason::Hidden);
+            *stage = FitStage::Failed(Reason::Hidden);
             return;
         }
         if learnt.stood_slack(fit.cycle(), posterior.swing_variance(), slip.limit) {
-            self.stage = FitStage::Failed(Reason::LetGo);
+            *stage = FitStage::Failed(Reason::LetGo);
             return;
         }
         *alone = fit.forces_alone(self.rate, noise_n2).filter(|_| is_resolved);
@@ -139,18 +139,18 @@ impl CycleFit {
         let shows = posterior.is_resolved() && fit.shape.slide_time() > CLEAR;
         let asked =
             *verdict == Verdict::Same && self.strain == Strain::None && shows && learnt.asks();
-        self.stage = if asked { FitStage::Alone(Pass::at(*fit.cycle())) } else { FitStage::Done };
+        *stage = if asked { FitStage::Alone(Pass::at(*fit.cycle())) } else { FitStage::Done };
         // The tests use the event alone; the prior of the rate change stays.
         let free = Prior::default();
         self.priors = Priors { onset: free, rate: free, inverse_omega: free, ..self.priors };
     }
 
     /// Sets up the normal equations of the event without its priors.
-    pub(super) fn alone(&mut self) {
-        let FitStage::Alone(pass) = &mut self.stage else { return };
+    pub(super) fn alone(&mut self, stage: &mut FitStage) {
+        let FitStage::Alone(pass) = stage else { return };
         let data = self.slip.asked(&self.priors, &self.after);
         if pass.advance(&data, &self.fit.shape) {
-            self.stage = pass.alone().map_or(FitStage::Done, |it| {
+            *stage = pass.alone().map_or(FitStage::Done, |it| {
                 FitStage::Asked(Terms::Widen, it, Asked::default(), 0)
             });
         }
@@ -160,8 +160,8 @@ impl CycleFit {
     /// corners follow, if the event is due for them.
     // A function of its own: inlined into `step` it takes two hundred bytes of flash more.
     #[inline(never)]
-    pub(super) fn asked(&mut self, learnt: &mut Expectations) {
-        let FitStage::Asked(terms, alone, asked, next) = &mut self.stage else {
+    pub(super) fn asked(&mut self, stage: &mut FitStage, learnt: &mut Expectations) {
+        let FitStage::Asked(terms, alone, asked, next) = stage else {
             return;
         };
         let data = self.slip.asked(&self.priors, &self.after);
@@ -186,7 +186,7 @@ impl CycleFit {
         if widens && learnt.asks_corner(&corner) {
             (*terms, *asked, *next) = (Terms::Corner, Asked::default(), 0);
         } else {
-            self.stage = FitStage::Done;
+            *stage = FitStage::Done;
         }
         self.measured.share(&correction);
     }
