@@ -127,9 +127,9 @@ impl CycleFit {
         let strained = is_resolved && self.strain != Strain::None;
         let dynamic_n = dynamic_n(&slip.elongation, posterior);
         *verdict = learnt.learn(&data, posterior, dynamic_n, noise_n2, (strained, self.excess));
-        if slip.wander.is_disputed() {
+        let lines = slip.oscillation.get().zip(self.oscillation.get());
+        if let Some(lines) = lines.filter(|_| slip.wander.is_disputed()) {
             let teaches = *verdict == Verdict::Same && is_resolved && !strained;
-            let lines = (&slip.oscillation, &self.oscillation);
             let correction =
                 learnt.learn_oscillation(&slip.wander, lines, (fit, posterior), noise_n2, teaches);
             self.measured.apply(&correction);

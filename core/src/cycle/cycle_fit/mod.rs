@@ -19,6 +19,7 @@ use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::refusal;
 use crate::cycle::slip_record::{GUESSED, SHORTEST_FALL, SlipRecord};
 use crate::detector::{MOST_PUT_OFF, Stick};
+use crate::effect::{Effect, Kept};
 use crate::effects::mass_change::Verdict;
 use crate::effects::score::Asked;
 use crate::event::Reason;
@@ -49,7 +50,7 @@ pub(crate) struct CycleFit {
     pub(crate) slip: SlipRecord,
     pub(crate) after: Line,
     /// The oscillation about `after`, if the noise is an oscillation.
-    oscillation: Sinusoid,
+    oscillation: Kept<Sinusoid, { Effect::Ripple.room() }>,
     /// The event's priors: the same from the beginning of the fit to its end, and adapted to the
     /// noise by then where the onset is averaged.
     priors: Priors,
@@ -125,7 +126,7 @@ impl CycleFit {
         Self {
             slip: *slip,
             after: Line::default(),
-            oscillation: Sinusoid::default(),
+            oscillation: Kept::default(),
             priors: Priors::default(),
             fit: Fit::default(),
             rate: Prior::default(),
@@ -148,7 +149,7 @@ impl CycleFit {
         self.after = self.slip.line_after(stick, window, last);
         if self.slip.wander.is_disputed() {
             let range = stick.origin..(stick.origin + sinusoid::MOST).min(stick.next);
-            self.oscillation = self.slip.oscillation_about(&self.after, window, range);
+            self.oscillation = self.slip.oscillation_about(&self.after, window, range).into();
         }
     }
 
