@@ -17,6 +17,7 @@ mod ended;
 mod expectations;
 mod first_answer;
 mod follow_up;
+mod found;
 mod outcome;
 mod readings;
 mod refusal;

@@ -1,15 +1,13 @@
-//! The steps after an event's fit, one per call: judge the misfit of its samples, update the
-//! expectations of the next events, and test its residuals for force terms that the fit lacks.
+//! The steps after an event's fit, one per call: judge the misfit of its samples, and update the
+//! expectations of the next events. The score test that may follow is in `score_test`.
 
 use crate::cycle::cable::{dynamic_n, relax};
-use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Terms};
+use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured};
 use crate::cycle::expectations::{Expectations, is_strained, own_residuals};
 use crate::cycle::slip_record::{SURE, UNSURE};
 use crate::effect::Effect;
-use crate::effects::corner::ask;
 use crate::effects::mass_change::Verdict;
 use crate::effects::scatter::SlipScatter;
-use crate::effects::score::Asked;
 use crate::event::Reason;
 use crate::fit::correction::Correction;
 use crate::fit::levenberg_marquardt::Pass;
@@ -24,10 +22,6 @@ use crate::stats::prior::Prior;
 /// Part of the drop by which the ends of a strained fit may differ from the highest and the lowest
 /// sample, besides what the line rises in a period. Tuned with the pauses of heavy blocks.
 const SPANNED: f32 = 0.03;
-
-/// Levels per step of the score test: twelve take 60 of the 62 units of a sample's time
-/// (`next_takes`).
-pub(super) const LEVELS_A_STEP: usize = 12;
 
 impl CycleFit {
     /// Judges the misfit of the samples: noise, scatter in the slip, strain.
@@ -145,52 +139,6 @@ impl CycleFit {
         self.priors = Priors { onset: free, rate: free, inverse_omega: free, ..self.priors };
     }
 
-    /// Sets up the normal equations of the event without its priors.
-    pub(super) fn alone(&mut self, stage: &mut FitStage) {
-        let FitStage::Alone(pass) = stage else { return };
-        let data = self.slip.asked(&self.priors, &self.after);
-        if pass.advance(&data, &self.fit.shape) {
-            *stage = pass.alone().map_or(FitStage::Done, |it| {
-                FitStage::Asked(Terms::Widen, it, Asked::default(), 0)
-            });
-        }
-    }
-
-    /// Adds some levels to the score test. After the last one the terms are learnt; then the
-    /// corners follow, if the event is due for them.
-    // A function of its own: inlined into `step` it takes two hundred bytes of flash more.
-    #[inline(never)]
-    pub(super) fn asked(&mut self, stage: &mut FitStage, learnt: &mut Expectations) {
-        let FitStage::Asked(terms, alone, asked, next) = stage else {
-            return;
-        };
-        let data = self.slip.asked(&self.priors, &self.after);
-        let levels = *next..*next + LEVELS_A_STEP;
-        match terms {
-            Terms::Widen => learnt.ask_scores(asked, (&data, levels), &self.fit.shape),
-            Terms::Corner => ask(asked, &data, &self.fit, levels),
-        }
-        *next += LEVELS_A_STEP;
-        if *next < data.places() {
-            return;
-        }
-        let (corner, noise_n2) = (self.priors.corner, self.measured.noise_n2);
-        asked.free(alone);
-        let widens = matches!(terms, Terms::Widen);
-        let correction = if widens {
-            let static_n2 = learnt.learn_scores(asked, noise_n2);
-            Correction { static_n2, ..Correction::default() }
-        } else {
-            learnt.learn_corner(corner, &self.fit, asked, noise_n2)
-        };
-        if widens && learnt.asks_corner(&corner) {
-            (*terms, *asked, *next) = (Terms::Corner, Asked::default(), 0);
-        } else {
-            *stage = FitStage::Done;
-        }
-        self.measured.share(&correction);
-    }
-
     /// A misfit has coefficients only if a change of mass is suspected; a strained fit only if it
     /// ends near the highest and the lowest sample, since a winch that stood during the slip bends
     /// the fit away from them.
@@ -221,13 +169,6 @@ impl Measured {
             forces.static_n2 *= at_onset * at_onset;
             forces.dynamic_n2 *= mean * mean;
         }
-    }
-
-    /// Applies a correction found after the fit whose error is the same in every event.
-    fn share(&mut self, correction: &Correction) {
-        self.apply(correction);
-        self.posterior.common_n2.0 += correction.static_n2;
-        self.posterior.common_n2.1 += correction.dynamic_n2;
     }
 
     /// Applies a correction found after the fit.

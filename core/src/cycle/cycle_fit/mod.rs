@@ -10,11 +10,13 @@
 //! ```
 
 mod after_fit;
+mod score_test;
 
 use core::ops::ControlFlow;
 
 use crate::cycle::LATE;
-use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
+use crate::cycle::cycle_fit::after_fit::Strain;
+use crate::cycle::cycle_fit::score_test::LEVELS_A_STEP;
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::refusal;
 use crate::cycle::slip_record::{GUESSED, SHORTEST_FALL, SlipRecord};
