@@ -69,7 +69,7 @@ impl CycleTracker {
         }
         let restick_n2 = static_n2 + 4.0 * dynamic_n2;
         self.rested = Some((SampleTime::after(slip.origin, stop), cycle.restick_n(), restick_n2));
-        let (cable, late) = (&slip.elongation, &slip.late);
+        let (cable, Some(late)) = (&slip.elongation, slip.late.get()) else { return };
         let Some(((from, from_n, from_n2), rate)) = rested.zip(late.slope()) else { return };
         let rest = Rest {
             time: SampleTime::after(slip.origin, cycle.onset).periods_since(from),

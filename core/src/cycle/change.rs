@@ -7,7 +7,7 @@ use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished};
 use crate::effect::{Effect, Kept};
 use crate::effects::level_shift::{Cause, Change, Levels};
-use crate::effects::mass_change::Verdict;
+use crate::effects::mass_change::{Mass, Verdict};
 use crate::event::{Event, Reason};
 use crate::fit::posterior::Posterior;
 use crate::fit::rounding_n2;
@@ -53,8 +53,8 @@ impl Expectations {
         self.contradictions = if contradicts { self.contradictions + 1 } else { 0 };
         if self.contradictions == CHANGED {
             self.contradictions = 0;
-            [self.rate, self.rate_change] = [FadingTrend::default(); 2];
-            self.mass.forget_all();
+            [self.rate, self.rate_change, self.inverse_omega] = [FadingTrend::default(); 3];
+            self.mass.update(Mass::forget);
             self.corner = Kept::default();
             self.sag = Kept::default();
         }
@@ -106,14 +106,15 @@ impl CycleTracker {
                     self.levels.update(|levels| levels.take(event.index, (static_n, dynamic_n)))
                 })??;
                 let first = (shift.event, event.onset);
-                let watches = self.site.effects.has(Effect::Mass);
-                let (mass, before_n) = (&mut self.learnt.mass, shift.dynamic_before_n);
-                if watches && is_clear(posterior) && mass.try_weight(before_n) {
-                    self.suspect = Some(first);
-                    return None;
-                }
-                if watches {
-                    mass.leave_open(dynamic_n, before_n);
+                let Expectations { mass, inverse_omega, .. } = &mut self.learnt;
+                let before_n = shift.dynamic_before_n;
+                if self.site.effects.has(Effect::Mass) {
+                    let tries = |mass: &mut Mass| mass.try_weight(inverse_omega, before_n);
+                    if is_clear(posterior) && mass.update(tries) {
+                        self.suspect = Some(first);
+                        return None;
+                    }
+                    mass.update(|mass| mass.leave_open(dynamic_n, before_n));
                 }
                 (Cause::Unknown, first)
             }

@@ -10,15 +10,12 @@ use crate::sample::{ForcePoint, since};
 pub(super) struct Ended {
     pub(super) stick: Stick,
     pub(super) by: By,
-    pub(super) progress: Progress,
 }
 
 /// Progress of the steps that follow the end of a stick line.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
 pub(super) enum Progress {
-    /// The fit of the event before is under way.
-    Waiting,
     /// The slip that ended the line is the pending one, its samples gathered.
     Gathered,
     /// The first answer on the pending slip is being computed.
@@ -54,17 +51,12 @@ impl Ended {
     ) -> Self {
         let (last, rest_weight) = (detector.last().index, detector.rest_weight());
         let by = By::Slip(SeenSlip { peak, low, last, rest_weight, last_hidden });
-        Self { stick: *detector.ended(), by, progress: Progress::Waiting }
+        Self { stick: *detector.ended(), by }
     }
 
     /// Ended by a gap, or by the end of the test, at an index.
     pub(super) fn by_loss(stick: &Stick, index: u32) -> Self {
-        Self { stick: *stick, by: By::Loss(index), progress: Progress::Waiting }
-    }
-
-    /// Has no step been done for it yet?
-    pub(super) fn waits(&self) -> bool {
-        matches!(self.progress, Progress::Waiting)
+        Self { stick: *stick, by: By::Loss(index) }
     }
 
     /// Periods from the highest to the lowest sample of the slip; zero if no slip ended the line.

@@ -25,8 +25,10 @@ use crate::stats::prior::{Prior, without_prior};
 pub(crate) struct Expectations {
     pub(super) effects: Effects,
     pub(crate) rate: FadingTrend,
-    pub(crate) mass: Mass,
+    /// The swing, since the last change of the mass.
+    pub(crate) inverse_omega: FadingTrend,
     pub(super) rate_change: FadingTrend,
+    pub(crate) mass: Kept<Mass, { Effect::Mass.room() }>,
     pub(crate) corner: Kept<CornerEstimator, { Effect::Corner.room() }>,
     pub(crate) sag: Kept<Sag, { Effect::Sag.room() }>,
     pub(crate) residuals: Residuals,
@@ -101,11 +103,8 @@ impl Expectations {
         let (rough, wander) = (slip.rough(after), slip.wander);
         let has_lines = slip.before.count.min(after.count) >= LINE && slip.wander.level <= 0.0;
         let rate = expected(self.rate.prior(noise_n2), rough.rate, ROUGH * rough.rate, noise_n2);
-        let known_swing = if self.knows_omega() {
-            self.mass.inverse_omega().prior(noise_n2)
-        } else {
-            Prior::default()
-        };
+        let known_swing =
+            if self.knows_omega() { self.inverse_omega.prior(noise_n2) } else { Prior::default() };
         let (guess, spread) = rough.swing(self.swing_by_winch(rate.mean));
         let inverse_omega = expected(known_swing, guess, spread, noise_n2);
         Priors {
@@ -174,17 +173,27 @@ impl Expectations {
     /// The swing that weight and winch give at a loading rate, N per period, periods: `1/ω² = M / k`,
     /// where the winch loads the cable by `k w`. NaN where its speed is unknown.
     pub(super) fn swing_by_winch(&self, rate: f32) -> f32 {
-        math::sqrt(self.mass.weight_ratio() * self.momentum / rate)
+        math::sqrt(self.weight_ratio() * self.momentum / rate)
     }
 
     /// Is the swing known from earlier events?
     pub(crate) fn knows_omega(&self) -> bool {
-        self.mass.inverse_omega().is_well_known()
+        self.inverse_omega.is_well_known()
     }
 
     /// The swing, periods, where it is known from earlier events.
     pub(crate) fn swing(&self) -> Option<f32> {
-        self.mass.inverse_omega().mean().filter(|_| self.knows_omega())
+        self.inverse_omega.mean().filter(|_| self.knows_omega())
+    }
+
+    /// Trend of the swing, periods; while the mass may have changed, the one from before that.
+    pub(crate) fn usual_swing(&self) -> &FadingTrend {
+        self.mass.get().and_then(Mass::before_suspect).unwrap_or(&self.inverse_omega)
+    }
+
+    /// Weight in use over the given one.
+    pub(crate) fn weight_ratio(&self) -> f32 {
+        self.mass.get().map_or(1.0, Mass::weight_ratio)
     }
 
     /// Updates loading rate, swing and rate change with the event's own values, unless it is
@@ -205,7 +214,7 @@ impl Expectations {
         self.rate_change.forget();
         self.sag.update(Sag::forget);
         if posterior.is_resolved() {
-            self.mass.forget();
+            self.inverse_omega.forget();
         }
         let own =
             |value, variance, prior, least| without_prior(value, variance, prior, noise_n2, least);
@@ -229,8 +238,9 @@ impl Expectations {
             strained: strained && cycle.restick_n() > 0.0,
         };
         let watches = self.effects.has(Effect::Mass);
-        let verdict = if watches { self.mass.judge(&evidence) } else { Verdict::Same };
-        let on_trial = self.mass.is_on_trial();
+        let judge = |mass: &mut Mass| mass.judge(&mut self.inverse_omega, &evidence);
+        let verdict = if watches { self.mass.update(judge) } else { Verdict::Same };
+        let on_trial = self.mass.read(Mass::is_on_trial);
         let own_rate = own(cycle.rate, rate, data.priors.rate, LEAST_OWN).filter(positive);
         if strained || (verdict == Verdict::Suspect && !on_trial) {
             return verdict;
@@ -248,7 +258,10 @@ impl Expectations {
         }
         evidence.inverse_omega =
             own_swing(inverse_omega, LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
-        self.mass.learn(&evidence).unwrap_or(verdict)
+        if let Some((value, variance)) = evidence.inverse_omega {
+            self.inverse_omega.add(value, variance);
+        }
+        self.mass.update(|mass| mass.learn(&evidence)).unwrap_or(verdict)
     }
 
     /// Time before an onset, periods, in which creep lowers the force by more than a fifth of the

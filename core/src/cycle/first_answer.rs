@@ -1,10 +1,10 @@
 //! Estimates before the second stick line is complete: `mu_s` at the onset, and a first answer when
 //! the block rests again.
 
-use crate::cycle::CycleTracker;
 use crate::cycle::cable::relax;
 use crate::cycle::ended::{FirstAnswer, Progress};
 use crate::cycle::slip_record::SlipRecord;
+use crate::cycle::{CycleTracker, Work};
 use crate::detector::Detector;
 use crate::event::Provisional;
 use crate::fit::posterior::Posterior;
@@ -35,26 +35,27 @@ impl CycleTracker {
 
     /// Begins the first answer on the pending slip, with the priors from the events so far.
     pub(super) fn begin_first(&mut self) {
-        let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
+        let Some(slip) = &self.pending else { return };
         let noise_n2 = self.learnt.fitted_noise_n2(slip);
         let priors = self.learnt.of(slip, &Line::NONE, noise_n2);
         let knows_omega = self.learnt.knows_omega();
         let fitting = slip.guess(&data(&priors, slip, knows_omega), knows_omega);
         let is_long = slip.samples().forces_n.len() > MOST_SAMPLES;
         let left = if is_long { 0 } else { FIRST_STEPS };
-        ended.progress = Progress::Answering(FirstAnswer { priors, fitting, left });
+        self.work = Work::Line(Progress::Answering(FirstAnswer { priors, fitting, left }));
     }
 
     /// One step of the fit for the first answer.
     pub(super) fn step_first(&mut self) {
-        let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
-        let Progress::Answering(FirstAnswer { priors, fitting, left }) = &mut ended.progress else {
+        let (Work::Line(Progress::Answering(FirstAnswer { priors, fitting, left })), Some(slip)) =
+            (&mut self.work, &self.pending)
+        else {
             return;
         };
         let step = fitting.step(&data(priors, slip, self.learnt.knows_omega()));
         *left = left.saturating_sub(1);
         if step.is_break() || *left == 0 {
-            ended.progress = Progress::Answered(step.break_value().flatten());
+            self.work = Work::Line(Progress::Answered(step.break_value().flatten()));
         }
     }
 

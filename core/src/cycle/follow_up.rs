@@ -4,7 +4,7 @@ use crate::cycle::cycle_fit::CycleFit;
 use crate::cycle::ended::{By, Ended, Progress};
 use crate::cycle::refusal;
 use crate::cycle::slip_record::{GUESSED, SlipRecord};
-use crate::cycle::{CycleTracker, LATE};
+use crate::cycle::{CycleTracker, LATE, Work};
 use crate::detector::{Detector, Stick};
 use crate::event::{Provisional, Reason};
 use crate::model::elongation::Elongation;
@@ -33,13 +33,13 @@ const BRIEF: u32 = 8;
 impl CycleTracker {
     /// Time of the next step, in units of 160 instructions on the board.
     pub(super) fn takes(&self, ended: &Ended, detector: &Detector) -> usize {
-        match (&ended.progress, &self.pending) {
-            (Progress::Waiting, pending) => {
-                // An oscillation in the rests of the slip before this one may be in the rests of
-                // this one too.
-                let swings = pending.as_ref().is_some_and(|slip| slip.wander.is_disputed());
-                SLIP + if swings || ended.may_sag(&self.learnt, detector) { BENT } else { 0 }
-            }
+        let Work::Line(progress) = &self.work else {
+            // An oscillation in the rests of the slip before this one may be in the rests of this
+            // one too.
+            let swings = self.pending.as_ref().is_some_and(|slip| slip.wander.is_disputed());
+            return SLIP + if swings || ended.may_sag(&self.learnt, detector) { BENT } else { 0 };
+        };
+        match (progress, &self.pending) {
             (Progress::Gathered, Some(slip)) if !self.learnt.knows_omega() => {
                 GUESSES + slip.samples().forces_n.len().min(GUESSED) * 5 / 2
             }
@@ -51,8 +51,7 @@ impl CycleTracker {
                 let is_bent = self.finishing.as_ref().is_some_and(|CycleFit { slip, .. }| {
                     slip.elongation.sags() || slip.wander.is_disputed()
                 });
-                let answer =
-                    if matches!(ended.progress, Progress::Answered(None)) { 0 } else { ANSWER };
+                let answer = if matches!(progress, Progress::Answered(None)) { 0 } else { ANSWER };
                 LINES + answer + fall as usize + if is_bent { BENT } else { 0 }
             }
         }
@@ -60,12 +59,11 @@ impl CycleTracker {
 
     /// Does the next step; the fit of the event before is done.
     pub(super) fn follow_up(&mut self, detector: &Detector, first: &mut Option<Provisional>) {
-        match self.ended.as_ref().map(|ended| &ended.progress) {
-            Some(Progress::Waiting) => self.take_up(detector),
-            Some(Progress::Gathered) => self.begin_first(),
-            Some(Progress::Answering(_)) => self.step_first(),
-            Some(Progress::Answered(_)) => *first = self.give_lines(detector),
-            None => {}
+        match &self.work {
+            Work::Fit(_) => self.take_up(detector),
+            Work::Line(Progress::Gathered) => self.begin_first(),
+            Work::Line(Progress::Answering(_)) => self.step_first(),
+            Work::Line(Progress::Answered(_)) => *first = self.give_lines(detector),
         }
     }
 
@@ -74,7 +72,7 @@ impl CycleTracker {
     /// first answer on that slip gives the onset.
     fn take_up(&mut self, detector: &Detector) {
         let Some(ended) = &self.ended else { return };
-        let Ended { stick, by, .. } = ended;
+        let Ended { stick, by } = ended;
         let (start, may_sag) = (self.start(stick), ended.may_sag(&self.learnt, detector));
         // Not with `map`: the fit is constructed in place.
         self.finishing = None;
@@ -123,9 +121,7 @@ impl CycleTracker {
                 before.refused = next.refused;
             }
         }
-        if let Some(ended) = &mut self.ended {
-            ended.progress = progress;
-        }
+        self.work = Work::Line(progress);
     }
 
     /// First index of an event's samples: where the stick line ends, or, after a rest too brief for
@@ -149,7 +145,7 @@ impl CycleTracker {
     /// answer. This is the last step for the end of a line.
     fn give_lines(&mut self, detector: &Detector) -> Option<Provisional> {
         let ended = self.ended.as_ref()?;
-        let Progress::Answered(first) = &ended.progress else { return None };
+        let Work::Line(Progress::Answered(first)) = &self.work else { return None };
         let first = first.as_ref().filter(|fit| self.shows_slip(fit));
         if let Some(slip) = &mut self.pending {
             slip.take_first_answer(first);
@@ -167,7 +163,7 @@ impl CycleTracker {
             self.slides |= slip.refused.is_none() && refusal::takes_time(slip);
         }
         let answer = first.and_then(|fit| self.first_answer(*fit));
-        self.ended = None;
+        (self.ended, self.work) = (None, Work::default());
         answer
     }
 }

@@ -17,6 +17,7 @@ mod ended;
 mod expectations;
 mod first_answer;
 mod follow_up;
+mod found;
 mod outcome;
 mod readings;
 mod refusal;
@@ -26,8 +27,8 @@ mod terms;
 use core::ops::ControlFlow;
 
 use crate::coefficient::{Coefficient, Site};
-use crate::cycle::cycle_fit::CycleFit;
-use crate::cycle::ended::Ended;
+use crate::cycle::cycle_fit::{CycleFit, FitStage};
+use crate::cycle::ended::{Ended, Progress};
 use crate::cycle::expectations::Expectations;
 use crate::cycle::refusal::{Recurrence, Slackness};
 use crate::cycle::slip_record::SlipRecord;
@@ -58,6 +59,21 @@ impl From<Event> for Finished {
     }
 }
 
+/// The one computation under way: the fit of an event, or, when that is done, what follows the end
+/// of the next stick line. With nothing to do it is a fit that has not begun.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
+enum Work {
+    Fit(FitStage),
+    Line(Progress),
+}
+
+impl Default for Work {
+    fn default() -> Self {
+        Self::Fit(FitStage::New)
+    }
+}
+
 /// Builds events.
 #[derive(Clone, Debug)]
 pub(crate) struct CycleTracker {
@@ -69,6 +85,7 @@ pub(crate) struct CycleTracker {
     finishing: Option<CycleFit>,
     /// The end of the stick line after `pending`, kept until the next slip has its first answer.
     ended: Option<Ended>,
+    work: Work,
     levels: Kept<Levels, { Effect::Level.room() }>,
     /// The first event after what may be a change: its number and its onset.
     suspect: Option<(u32, SampleTime)>,
@@ -98,6 +115,7 @@ impl CycleTracker {
             pending: None,
             finishing: None,
             ended: None,
+            work: Work::default(),
             levels: Kept::default(),
             suspect: None,
             last_stop: None,
@@ -171,27 +189,20 @@ impl CycleTracker {
 
     /// Does the next step.
     fn advance(&mut self, detector: &Detector, answers: &mut Answers) {
-        // An ended line that has not been taken up waits until the current fit is done.
-        let waits = self.ended.as_ref().is_none_or(Ended::waits);
-        let Some(fit) = self.finishing.as_mut().filter(|_| waits) else {
+        let (Work::Fit(stage), Some(fit)) = (&mut self.work, &mut self.finishing) else {
             return self.follow_up(detector, &mut answers.first);
         };
-        if let ControlFlow::Break(failed) = fit.step(&mut self.learnt, detector.waiting()) {
+        if let ControlFlow::Break(failed) = fit.step(stage, &mut self.learnt, detector.waiting()) {
             answers.finished = self.end(failed);
         }
     }
 
     /// Time of the next step, in the units of [`TIME`]; zero if no step is left.
     fn next_takes(&self, detector: &Detector) -> usize {
-        match (&self.ended, &self.finishing) {
-            (Some(ended), finishing) if finishing.is_none() || !ended.waits() => {
-                self.takes(ended, detector)
-            }
-            (_, Some(finishing)) => {
-                finishing.next_takes(self.learnt.knows_omega(), detector.waiting())
-            }
-            (_, None) => 0,
+        if let (Work::Fit(stage), Some(fit)) = (&self.work, &self.finishing) {
+            return fit.next_takes(stage, self.learnt.knows_omega(), detector.waiting());
         }
+        self.ended.as_ref().map_or(0, |ended| self.takes(ended, detector))
     }
 
     /// Ends the test: completes the remaining events, one per call, until `None`.

@@ -4,7 +4,7 @@ use crate::coefficient::Site;
 use crate::cycle::cycle_fit::{CycleFit, Measured};
 use crate::cycle::refusal::{self, FAST, LEAST_UNCONFIRMED, RootStiffnessRatio};
 use crate::cycle::slip_record::SlipRecord;
-use crate::cycle::{CycleTracker, Finished};
+use crate::cycle::{CycleTracker, Finished, Work};
 use crate::event::{Event, Quality, Reason};
 use crate::fit::posterior::Posterior;
 use crate::model::{CycleParams, Shape};
@@ -36,6 +36,7 @@ impl CycleTracker {
     /// event before to the peak of the next slip.
     pub(super) fn end(&mut self, failed: Option<Reason>) -> Option<Finished> {
         let CycleFit { slip, after, mut measured, .. } = self.finishing.take()?;
+        self.work = Work::default();
         let slip = &slip;
         let (mut finished, load) = match failed {
             Some(reason) => {
@@ -133,7 +134,7 @@ impl CycleTracker {
     fn of_fit(&self, posterior: &Posterior, slip: &SlipRecord) -> Belief {
         let Posterior { cycle, variances: [_, of_rate, _, of_drop, of_swing, ..], .. } = *posterior;
         let (site, learnt) = (self.site(), &self.learnt);
-        let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
+        let (rate, swing) = (learnt.rate.now(), learnt.inverse_omega.now());
         // Decided by the mean swing of all events, not by that of a single one.
         let periods = slip.limit - cycle.onset;
         let folded =

@@ -42,7 +42,7 @@ impl Expectations {
             self.corner.update(|corner| corner.learn(used, fit, score, noise_n2, other_n2));
         let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
         self.rate.translate(rate);
-        self.mass.translate(inverse_omega);
+        self.inverse_omega.translate(inverse_omega);
         self.rate_change.translate(rate_change);
         effect
     }

@@ -1,8 +1,6 @@
 //! Extension of the stick line by the samples of a resting block: at some delay behind the newest
 //! one, weighted by the flop profile, and without the samples off the line.
 
-use core::ops::Range;
-
 use crate::detector::Detector;
 use crate::detector::onset::OFF_LINE;
 use crate::detector::slack_wait;
@@ -17,7 +15,7 @@ use crate::signal::window::WINDOW;
 /// Tuned: two happen by a spike and its neighbour, four find a new line later.
 const NEW_LINE: u8 = 3;
 /// Most samples of a stick that the flop profile looks at.
-const PROFILE: i32 = WINDOW as i32 * 3 / 4;
+pub(super) const PROFILE: i32 = WINDOW as i32 * 3 / 4;
 /// Longest stick, samples, that the profile processes in one step, when the stick has ended. A
 /// longer one takes two steps: at the first and the second sample of the next stick or, from
 /// [`PROFILE`] samples on, at its own two samples there.
@@ -239,35 +237,5 @@ impl Detector {
         let origin = self.stick.origin.max(now.index.saturating_sub(since));
         self.stick = Stick::new(origin, self.stick.highest);
         false
-    }
-
-    /// Gives the flop profile the stick that has ended, or the current one if `goes_on`, provided
-    /// that its number of samples lies within `lengths`.
-    pub(super) fn look_for_flop(&mut self, look: Look, lengths: Range<i32>, goes_on: bool) {
-        let (window, stick) = (&self.window, if goes_on { &self.stick } else { &self.ended });
-        let (origin, next) = (stick.origin, stick.next);
-        let looks =
-            self.effects.has(Effect::Flop) && lengths.contains(&periods_between(origin, next));
-        if !looks || window.first_from(origin) != origin {
-            return;
-        }
-        // Where no single line was followed one is fitted in this step: to half as many samples.
-        let most = if stick.is_straight() { PROFILE } else { PROFILE / 2 };
-        let forces_n = window.between(origin, next.min(origin + most as u32));
-        self.spent += forces_n.iter().map(|part| part.len() * 2 / 3).sum::<usize>();
-        let flops = self.profile.update(|profile| {
-            let was_flat = profile.is_flat();
-            if look != Look::Learn {
-                profile.begin(stick.is_straight().then(|| stick.line_from(origin)), forces_n);
-            }
-            if look != Look::Begin {
-                profile.learn(forces_n);
-            }
-            was_flat && !profile.is_flat()
-        });
-        if flops {
-            // The innovations so far contain the cable's oscillation.
-            self.forget_ripple();
-        }
     }
 }

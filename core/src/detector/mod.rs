@@ -33,6 +33,7 @@ mod innovation;
 mod line_following;
 mod onset;
 mod readings;
+mod rest_noise;
 mod restick;
 mod slack_wait;
 mod stick_line;

@@ -59,9 +59,15 @@ impl Stick {
         moved(self.line, self.line_origin, index)
     }
 
+    /// Number of samples of the initial line.
+    #[must_use]
+    pub(crate) fn first_count(&self) -> u32 {
+        self.first.as_ref().unwrap_or(&self.line).count
+    }
+
     /// Keeps the initial line, and begins the current one anew at an index.
     pub(super) fn start_line(&mut self, index: u32) {
-        self.first = Some(self.first_from(self.origin));
+        self.first.get_or_insert_with(|| moved(self.line, self.line_origin, self.origin));
         self.strikes = 0;
         (self.line, self.line_origin) = (Line::default(), index);
         self.renewals = self.renewals.saturating_add(1);

@@ -1,13 +1,10 @@
 //! The data of one event's fit: lines, samples, priors.
 
-use crate::fit::slip_residuals::{OwnSwing, SlipResiduals, steepness};
-use crate::fit::{Fit, SWING, Variances, Without};
-use crate::model::corner::{Corner, Rounded};
+use crate::model::corner::{Corner, MAY_BE_ROUND, Rounded};
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::Wander;
-use crate::num::math::larger;
 use crate::stats::line::Line;
-use crate::stats::normal_equations::{Gradient, Normal, UNKNOWNS, dot, scaled};
+use crate::stats::normal_equations::{Gradient, Normal, UNKNOWNS};
 use crate::stats::prior::{Prior, loosened};
 
 /// The samples of the slip and its surroundings, one per period.
@@ -44,10 +41,6 @@ impl<'a> Samples<'a> {
     /// Weight of a sample at a time.
     pub(crate) fn weight(&self, time: f32) -> f32 {
         if time > self.rest_from { self.rest_weight } else { 1.0 }
-    }
-
-    fn steepness(&self, time: f32) -> f32 {
-        steepness((time - self.slip.0) / (self.slip.1 - self.slip.0))
     }
 
     /// Number of the valid samples.
@@ -160,71 +153,6 @@ impl Data<'_> {
         squares_n2
     }
 
-    /// The residuals of the slip's samples at a fit, in units of the noise variance, and the
-    /// variances that a scatter beyond the noise of `λ` = 1 adds. Of a long slip at most eight
-    /// samples, evenly spread, are used.
-    ///
-    /// The fit is made without that scatter, `x = A⁻¹ Σ w u r`, so its covariance grows by
-    /// `λ Σ g w² (A⁻¹ u)(A⁻¹ u)ᵀ`. The scatter may be the same in every slip. The prior of the
-    /// swing then has the same error and does not reduce it, so for the forces `A` is the matrix
-    /// without that prior.
-    #[must_use]
-    pub(crate) fn slip_residuals(
-        &self,
-        fit: &Fit,
-        knows_swing: bool,
-        noise_n2: f32,
-    ) -> (SlipResiduals, Variances) {
-        // The number of their pairs, 28, grows with the square.
-        const MOST: usize = 8;
-        let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
-        let without = fit.without(&SWING, self.priors.inverse_omega);
-        let Without { tied: [_, _, by_static, by_drop, own, _], gain } =
-            without.unwrap_or_default();
-        let (from, to) = self.samples.slip;
-        // At least 1, also for a slip whose ends are NaN.
-        let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
-        let inside = self.samples.good().filter(|&(time, _)| time > from && time < to);
-        let used = inside.step_by(stride).take(MOST);
-        let model = self.model(&fit.shape);
-        // Of each sample used so far: its steepness, and the shift of the unknowns by its error.
-        let mut others = [(0.0, Gradient::default()); MOST];
-        let mut swing_by_scatter = 0.0;
-        for (place, (time, measured_n)) in used.enumerate() {
-            let steepness = self.samples.steepness(time);
-            let (off_n, gradient) = model.residual(time, measured_n);
-            let weighted = scaled(&gradient, self.samples.weight(time));
-            let moved = fit.factor.solve(&weighted);
-            let left = larger(1.0 - dot(&gradient, &moved), 0.0);
-            slip.add(steepness, off_n * off_n / noise_n2, left);
-            for (of_other, by_other) in others.iter().take(place) {
-                slip.add_pair(steepness * of_other, dot(&gradient, by_other));
-            }
-            if let Some(own) = others.get_mut(place) {
-                *own = (steepness, moved);
-            }
-            let weight = steepness * stride as f32;
-            let [onset, rate, static_n, drop_n, swing, rate_change] = moved;
-            let apart = gain * swing;
-            let (static_n, swing) = (static_n + apart * by_static, swing + apart * own);
-            let dynamic_n = static_n - drop_n - apart * by_drop;
-            swing_by_scatter += weight * swing * swing;
-            // The scatter of the swings is estimated with the trend of the swings.
-            let by = [onset, rate, static_n, drop_n, 0.0, rate_change, dynamic_n];
-            wider.iter_mut().zip(by).for_each(|(sum, by)| *sum += weight * by * by);
-        }
-        // While the swing is unknown, the estimate of one slip may have any size.
-        if knows_swing && without.is_some() {
-            let (value, variance) = (fit.cycle().inverse_omega(), own + gain * own * own);
-            slip.swing = OwnSwing {
-                value: value + gain * own * (value - self.priors.inverse_omega.mean),
-                variance: noise_n2 * variance,
-                by_scatter: swing_by_scatter / variance,
-            };
-        }
-        (slip, wider)
-    }
-
     /// Adds the lines and the priors to the normal equations at a trial cycle.
     pub(crate) fn add_lines(&self, normal: &mut Normal, shape: &Shape) {
         let cycle = shape.cycle();
@@ -294,7 +222,7 @@ impl Model<'_> {
         // Changed in place, since it is large.
         let mut at = self.shape.force(time);
         at.0 = measured_n - at.0;
-        if let Some(rounded) = &self.rounded {
+        if let Some(rounded) = self.rounded() {
             let shift = rounded.shift(time - self.shape.cycle().onset);
             at.0 -= shift.force_n;
             at.1[0] -= shift.rate;
@@ -304,7 +232,12 @@ impl Model<'_> {
 
     /// Shift of the force by the corners at a time since the onset, N.
     fn shift_n(&self, since_onset: f32) -> f32 {
-        self.rounded.map_or(0.0, |rounded| rounded.shift(since_onset).force_n)
+        self.rounded().map_or(0.0, |rounded| rounded.shift(since_onset).force_n)
+    }
+
+    #[inline(always)]
+    fn rounded(&self) -> Option<&Rounded<'_>> {
+        self.rounded.as_ref().filter(|_| MAY_BE_ROUND)
     }
 }
 

@@ -18,6 +18,9 @@ use crate::num::math::{self, larger, smaller};
 pub(crate) const NUMBERS: usize = 3;
 pub(crate) type Numbers = [f32; NUMBERS];
 
+/// Without the effect all corners are sharp, which is known at compile time.
+pub(crate) const MAY_BE_ROUND: bool = Effects::COMPILED.has(Effect::Corner);
+
 /// Parameters of the rounded corners; sharp by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Corner {
@@ -45,8 +48,7 @@ impl Corner {
     /// Are the corners sharp?
     #[must_use]
     pub(crate) fn is_sharp(&self) -> bool {
-        let may_be_round = Effects::COMPILED.has(Effect::Corner);
-        !may_be_round || self.smoothing <= 0.0 && self.missing_n <= 0.0
+        !MAY_BE_ROUND || self.smoothing <= 0.0 && self.missing_n <= 0.0
     }
 
     /// The corners of a cycle, with the terms that all times share.

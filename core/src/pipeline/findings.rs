@@ -1,10 +1,9 @@
-//! Results of all samples so far: the report, the finding of each effect, the systematic parts.
+//! Results of all samples so far: the report and the systematic parts.
 
 use crate::budget::losses::values;
 use crate::budget::{Known, Losses};
 use crate::coefficient::{Coefficient, Estimate};
-use crate::effect::{Effect, Effects, Finding, Parameter};
-use crate::effects::level_shift::{Cause, Change};
+use crate::effects::level_shift::Change;
 use crate::effects::zero_drift::Drift;
 use crate::num::math;
 use crate::pipeline::Pipeline;
@@ -43,50 +42,6 @@ impl Pipeline {
                 Change { weight_ratio, weight_ratio_std: relative * weight_ratio, ..change }
             }),
             found: self.found(),
-        }
-    }
-
-    /// The effects that the data show, among those that were looked for.
-    fn found(&self) -> Effects {
-        let of_level = self.change.is_some_and(|change| change.cause != Cause::Mass);
-        let (of_rests, of_events) = (self.detector.found(), self.cycles.found());
-        let found = Effects::from_mask(of_rests.mask() | of_events.mask())
-            .with(Effect::Level, of_level)
-            .with(Effect::Drift, self.zero_n().is_some());
-        Effects::from_mask(found.mask() & self.config.effects.mask())
-    }
-
-    /// The finding of each effect, in the order of [`Effect::ALL`].
-    #[must_use]
-    pub fn findings(&self) -> [Finding; Effect::ALL.len()] {
-        let all = self.found();
-        Effect::ALL.map(|effect| {
-            let (enabled, found) = (self.config.effects.has(effect), all.has(effect));
-            let parameters = if found { self.parameters(effect) } else { [None; 2] };
-            Finding { effect, enabled, found, parameters }
-        })
-    }
-
-    /// The estimated parameters of an effect. A change of level has none: its size follows from the
-    /// events after it.
-    fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
-        let [first, second] = self.cycles.parameters(effect);
-        match effect {
-            Effect::Flop => [self.detector.flop(), first],
-            Effect::Ripple => [self.detector.ripple(), first],
-            // A drift widens the intervals and shifts nothing.
-            Effect::Drift => {
-                let zero = |std| Parameter { name: "zero_n", value: 0.0, std };
-                [self.zero_n().map(zero), None]
-            }
-            Effect::Corner
-            | Effect::Sag
-            | Effect::Stiffening
-            | Effect::Mass
-            | Effect::Level
-            | Effect::Damping
-            | Effect::Onset
-            | Effect::Scatter => [first, second],
         }
     }
 
@@ -152,14 +107,8 @@ impl Pipeline {
     }
 
     /// Standard deviation of a block's noise, N: by the fits so far, else the detector's.
-    fn noise_n(&self) -> Option<f32> {
+    pub(super) fn noise_n(&self) -> Option<f32> {
         self.cycles.noise_n().or(self.detector.noise_n())
-    }
-
-    /// Standard deviation of the zero's drift, N, if it exceeds the noise.
-    fn zero_n(&self) -> Option<f32> {
-        let zero_n = self.cycles.normal_n() * self.drift.read(Drift::std);
-        self.noise_n().filter(|&noise_n| zero_n > noise_n).map(|_| zero_n)
     }
 
     fn recurrence_s(&self) -> Option<f32> {

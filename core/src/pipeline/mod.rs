@@ -2,9 +2,11 @@
 //!
 //! A sample passes these stages: it is received (calibrated, counted: `receive`), tested for a
 //! spike, examined by the detector and followed by the cycles. An event that results from it is
-//! counted (`tally`); the results of all events make the report (`findings`).
+//! counted (`tally`); the results of all events make the report (`findings`), with the effects that
+//! they show (`found`).
 
 mod findings;
+mod found;
 mod receive;
 mod tally;
 

@@ -1,15 +1,13 @@
-//! The steps after an event's fit, one per call: judge the misfit of its samples, update the
-//! expectations of the next events, and test its residuals for force terms that the fit lacks.
+//! The steps after an event's fit, one per call: judge the misfit of its samples, and update the
+//! expectations of the next events. The score test that may follow is in `score_test`.
 
 use crate::cycle::cable::{dynamic_n, relax};
-use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Terms};
+use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured};
 use crate::cycle::expectations::{Expectations, is_strained, own_residuals};
 use crate::cycle::slip_record::{SURE, UNSURE};
 use crate::effect::Effect;
-use crate::effects::corner::ask;
 use crate::effects::mass_change::Verdict;
 use crate::effects::scatter::SlipScatter;
-use crate::effects::score::Asked;
 use crate::event::Reason;
 use crate::fit::correction::Correction;
 use crate::fit::levenberg_marquardt::Pass;
@@ -25,13 +23,9 @@ use crate::stats::prior::Prior;
 /// sample, besides what the line rises in a period. Tuned with the pauses of heavy blocks.
 const SPANNED: f32 = 0.03;
 
-/// Levels per step of the score test: twelve take 60 of the 62 units of a sample's time
-/// (`next_takes`).
-pub(super) const LEVELS_A_STEP: usize = 12;
-
 impl CycleFit {
     /// Judges the misfit of the samples: noise, scatter in the slip, strain.
-    pub(super) fn judge(&mut self, learnt: &mut Expectations) {
+    pub(super) fn judge(&mut self, stage: &mut FitStage, learnt: &mut Expectations) {
         let (fit, slip, noise_n2) = (&mut self.fit, &self.slip, self.priors.noise_n2);
         let data = slip.data(&self.priors, &self.after);
         let (squares_n2, free) = own_residuals(&data, fit);
@@ -83,11 +77,11 @@ impl CycleFit {
         let places = OverOnset::new(fit, knows_swing, now_n2, slip.limit);
         if let Some(places) = places.filter(|_| !misfit) {
             self.priors = learnt.of(slip, &self.after, now_n2);
-            self.stage = FitStage::Places(places);
+            *stage = FitStage::Places(places);
             self.shorten();
         } else {
             self.measured.posterior = Posterior::at(fit, now_n2);
-            self.stage = FitStage::Learning;
+            *stage = FitStage::Learning;
         }
     }
 
@@ -106,7 +100,7 @@ impl CycleFit {
     }
 
     /// Updates the expectations of the next events.
-    pub(super) fn learn(&mut self, learnt: &mut Expectations) {
+    pub(super) fn learn(&mut self, stage: &mut FitStage, learnt: &mut Expectations) {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.slip));
         let (slip, data) = (&self.slip, self.slip.data(&self.priors, &self.after));
         self.measured.noise_n2 = noise_n2;
@@ -116,20 +110,20 @@ impl CycleFit {
         }
         let is_resolved = posterior.is_resolved();
         if slip.hides_length(learnt.knows_omega()) {
-            self.stage = FitStage::Failed(Reason::Hidden);
+            *stage = FitStage::Failed(Reason::Hidden);
             return;
         }
         if learnt.stood_slack(fit.cycle(), posterior.swing_variance(), slip.limit) {
-            self.stage = FitStage::Failed(Reason::LetGo);
+            *stage = FitStage::Failed(Reason::LetGo);
             return;
         }
         *alone = fit.forces_alone(self.rate, noise_n2).filter(|_| is_resolved);
         let strained = is_resolved && self.strain != Strain::None;
         let dynamic_n = dynamic_n(&slip.elongation, posterior);
         *verdict = learnt.learn(&data, posterior, dynamic_n, noise_n2, (strained, self.excess));
-        if slip.wander.is_disputed() {
+        let lines = slip.oscillation.get().zip(self.oscillation.get());
+        if let Some(lines) = lines.filter(|_| slip.wander.is_disputed()) {
             let teaches = *verdict == Verdict::Same && is_resolved && !strained;
-            let lines = (&slip.oscillation, &self.oscillation);
             let correction =
                 learnt.learn_oscillation(&slip.wander, lines, (fit, posterior), noise_n2, teaches);
             self.measured.apply(&correction);
@@ -139,56 +133,10 @@ impl CycleFit {
         let shows = posterior.is_resolved() && fit.shape.slide_time() > CLEAR;
         let asked =
             *verdict == Verdict::Same && self.strain == Strain::None && shows && learnt.asks();
-        self.stage = if asked { FitStage::Alone(Pass::at(*fit.cycle())) } else { FitStage::Done };
+        *stage = if asked { FitStage::Alone(Pass::at(*fit.cycle())) } else { FitStage::Done };
         // The tests use the event alone; the prior of the rate change stays.
         let free = Prior::default();
         self.priors = Priors { onset: free, rate: free, inverse_omega: free, ..self.priors };
-    }
-
-    /// Sets up the normal equations of the event without its priors.
-    pub(super) fn alone(&mut self) {
-        let FitStage::Alone(pass) = &mut self.stage else { return };
-        let data = self.slip.asked(&self.priors, &self.after);
-        if pass.advance(&data, &self.fit.shape) {
-            self.stage = pass.alone().map_or(FitStage::Done, |it| {
-                FitStage::Asked(Terms::Widen, it, Asked::default(), 0)
-            });
-        }
-    }
-
-    /// Adds some levels to the score test. After the last one the terms are learnt; then the
-    /// corners follow, if the event is due for them.
-    // A function of its own: inlined into `step` it takes two hundred bytes of flash more.
-    #[inline(never)]
-    pub(super) fn asked(&mut self, learnt: &mut Expectations) {
-        let FitStage::Asked(terms, alone, asked, next) = &mut self.stage else {
-            return;
-        };
-        let data = self.slip.asked(&self.priors, &self.after);
-        let levels = *next..*next + LEVELS_A_STEP;
-        match terms {
-            Terms::Widen => learnt.ask_scores(asked, (&data, levels), &self.fit.shape),
-            Terms::Corner => ask(asked, &data, &self.fit, levels),
-        }
-        *next += LEVELS_A_STEP;
-        if *next < data.places() {
-            return;
-        }
-        let (corner, noise_n2) = (self.priors.corner, self.measured.noise_n2);
-        asked.free(alone);
-        let widens = matches!(terms, Terms::Widen);
-        let correction = if widens {
-            let static_n2 = learnt.learn_scores(asked, noise_n2);
-            Correction { static_n2, ..Correction::default() }
-        } else {
-            learnt.learn_corner(corner, &self.fit, asked, noise_n2)
-        };
-        if widens && learnt.asks_corner(&corner) {
-            (*terms, *asked, *next) = (Terms::Corner, Asked::default(), 0);
-        } else {
-            self.stage = FitStage::Done;
-        }
-        self.measured.share(&correction);
     }
 
     /// A misfit has coefficients only if a change of mass is suspected; a strained fit only if it
@@ -221,13 +169,6 @@ impl Measured {
             forces.static_n2 *= at_onset * at_onset;
             forces.dynamic_n2 *= mean * mean;
         }
-    }
-
-    /// Applies a correction found after the fit whose error is the same in every event.
-    fn share(&mut self, correction: &Correction) {
-        self.apply(correction);
-        self.posterior.common_n2.0 += correction.static_n2;
-        self.posterior.common_n2.1 += correction.dynamic_n2;
     }
 
     /// Applies a correction found after the fit.

@@ -10,15 +10,18 @@
 //! ```
 
 mod after_fit;
+mod score_test;
 
 use core::ops::ControlFlow;
 
 use crate::cycle::LATE;
-use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
+use crate::cycle::cycle_fit::after_fit::Strain;
+use crate::cycle::cycle_fit::score_test::LEVELS_A_STEP;
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::refusal;
 use crate::cycle::slip_record::{GUESSED, SHORTEST_FALL, SlipRecord};
 use crate::detector::{MOST_PUT_OFF, Stick};
+use crate::effect::{Effect, Kept};
 use crate::effects::mass_change::Verdict;
 use crate::effects::score::Asked;
 use crate::event::Reason;
@@ -49,8 +52,7 @@ pub(crate) struct CycleFit {
     pub(crate) slip: SlipRecord,
     pub(crate) after: Line,
     /// The oscillation about `after`, if the noise is an oscillation.
-    oscillation: Sinusoid,
-    stage: FitStage,
+    oscillation: Kept<Sinusoid, { Effect::Ripple.room() }>,
     /// The event's priors: the same from the beginning of the fit to its end, and adapted to the
     /// noise by then where the onset is averaged.
     priors: Priors,
@@ -68,7 +70,7 @@ pub(crate) struct CycleFit {
 #[derive(Clone, Copy, Debug)]
 #[repr(u32)]
 #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
-enum FitStage {
+pub(super) enum FitStage {
     /// Nothing done yet.
     New,
     /// Being fitted with almost no weight on the priors.
@@ -99,7 +101,7 @@ enum FitStage {
 
 /// The force terms of a score test.
 #[derive(Clone, Copy, Debug)]
-enum Terms {
+pub(super) enum Terms {
     /// Terms that widen the intervals and shift nothing.
     Widen,
     /// Rounded corners, which shift the forces.
@@ -126,8 +128,7 @@ impl CycleFit {
         Self {
             slip: *slip,
             after: Line::default(),
-            oscillation: Sinusoid::default(),
-            stage: FitStage::New,
+            oscillation: Kept::default(),
             priors: Priors::default(),
             fit: Fit::default(),
             rate: Prior::default(),
@@ -150,7 +151,7 @@ impl CycleFit {
         self.after = self.slip.line_after(stick, window, last);
         if self.slip.wander.is_disputed() {
             let range = stick.origin..(stick.origin + sinusoid::MOST).min(stick.next);
-            self.oscillation = self.slip.oscillation_about(&self.after, window, range);
+            self.oscillation = self.slip.oscillation_about(&self.after, window, range).into();
         }
     }
 
@@ -159,30 +160,31 @@ impl CycleFit {
     /// and above [`TOO_LATE`] slips recur faster than they can be fitted. Breaks after the last one,
     /// with the reason why the event has no coefficients, if there is one.
     #[inline(never)]
-    pub(crate) fn step(
+    pub(super) fn step(
         &mut self,
+        stage: &mut FitStage,
         learnt: &mut Expectations,
         waiting: u32,
     ) -> ControlFlow<Option<Reason>> {
         let late = waiting > LATE;
-        match &self.stage {
+        match stage {
             FitStage::New | FitStage::Free(_) | FitStage::Expected(_) if waiting > TOO_LATE => {
-                self.stage = FitStage::Failed(Reason::TooShort);
+                *stage = FitStage::Failed(Reason::TooShort);
             }
-            FitStage::New => self.start(learnt),
-            FitStage::Free(_) => self.free(learnt),
-            FitStage::Expected(_) => self.expected(learnt),
+            FitStage::New => self.start(stage, learnt),
+            FitStage::Free(_) => self.free(stage, learnt),
+            FitStage::Expected(_) => self.expected(stage, learnt),
             FitStage::Converged => {
                 let wound_back = refusal::is_angular(&self.slip, &self.fit.shape, &self.after);
                 let failed = FitStage::Failed(Reason::WoundBack);
-                self.stage = if wound_back { failed } else { FitStage::Fitted };
+                *stage = if wound_back { failed } else { FitStage::Fitted };
             }
-            FitStage::Fitted => self.judge(learnt),
-            FitStage::Places(_) => self.place(late),
-            FitStage::Learning => self.learn(learnt),
+            FitStage::Fitted => self.judge(stage, learnt),
+            FitStage::Places(_) => self.place(stage, late),
+            FitStage::Learning => self.learn(stage, learnt),
             // Never reached without force terms to test: their code is then left out of the image.
-            FitStage::Alone(_) if learnt.asks() && !late => self.alone(),
-            FitStage::Asked(..) if learnt.asks() && !late => self.asked(learnt),
+            FitStage::Alone(_) if learnt.asks() && !late => self.alone(stage),
+            FitStage::Asked(..) if learnt.asks() && !late => self.asked(stage, learnt),
             FitStage::Alone(_) | FitStage::Asked(..) | FitStage::Done => {
                 return ControlFlow::Break(self.refused());
             }
@@ -193,9 +195,9 @@ impl CycleFit {
 
     /// Time that the next step takes, in units of 160 instructions on the board. Without the swing
     /// from earlier events several guesses may have to be compared.
-    pub(crate) fn next_takes(&self, knows_omega: bool, waiting: u32) -> usize {
+    pub(super) fn next_takes(&self, stage: &FitStage, knows_omega: bool, waiting: u32) -> usize {
         let samples = self.slip.samples().forces_n.len();
-        match &self.stage {
+        match stage {
             FitStage::New if waiting > TOO_LATE => 1,
             FitStage::Places(_) if waiting > LATE => 3,
             FitStage::New if self.slip.begins_again(&self.after) => 12,
@@ -224,20 +226,20 @@ impl CycleFit {
         }
     }
 
-    fn start(&mut self, learnt: &mut Expectations) {
+    fn start(&mut self, stage: &mut FitStage, learnt: &mut Expectations) {
         if let Some(reason) = self.slip.refused {
-            self.stage = FitStage::Failed(reason);
+            *stage = FitStage::Failed(reason);
             return;
         }
         learnt.weigh(&self.slip);
         let known = learnt.residuals.variance_n2().is_some();
         let noise_n2 = learnt.fitted_noise_n2(&self.slip);
         let fitting = self.begin(learnt, noise_n2);
-        self.stage = if known { FitStage::Expected(fitting) } else { FitStage::Free(fitting) };
+        *stage = if known { FitStage::Expected(fitting) } else { FitStage::Free(fitting) };
     }
 
-    fn free(&mut self, learnt: &Expectations) {
-        let FitStage::Free(fitting) = &mut self.stage else { return };
+    fn free(&mut self, stage: &mut FitStage, learnt: &Expectations) {
+        let FitStage::Free(fitting) = stage else { return };
         let noise_n2 = self.priors.noise_n2;
         let data = self.slip.data(&self.priors, &self.after);
         let ControlFlow::Break(fit) = fitting.step(&data) else {
@@ -254,7 +256,7 @@ impl CycleFit {
         }
         self.slip.begin_from(fit.as_ref());
         let noise_n2 = learnt.noise_n2(&self.slip);
-        self.stage = FitStage::Expected(self.begin(learnt, noise_n2));
+        *stage = FitStage::Expected(self.begin(learnt, noise_n2));
     }
 
     fn begin(&mut self, learnt: &Expectations, noise_n2: f32) -> Fitting {
@@ -265,8 +267,8 @@ impl CycleFit {
         })
     }
 
-    fn expected(&mut self, learnt: &mut Expectations) {
-        let FitStage::Expected(fitting) = &mut self.stage else { return };
+    fn expected(&mut self, stage: &mut FitStage, learnt: &mut Expectations) {
+        let FitStage::Expected(fitting) = stage else { return };
         let slip = &self.slip;
         let data = slip.data(&self.priors, &self.after);
         let ControlFlow::Break(fit) = fitting.step(&data) else {
@@ -275,20 +277,20 @@ impl CycleFit {
         let holds = |fit: &&Fit| fit.converged && slip.holds(&fit.shape);
         let Some(fit) = fit.as_ref().filter(holds) else {
             learnt.contradict(true);
-            self.stage = FitStage::Failed(Reason::NoFit);
+            *stage = FitStage::Failed(Reason::NoFit);
             return;
         };
         (self.fit, self.rate) = (*fit, self.priors.rate);
         let shapely = refusal::is_shapely(slip);
         let next = if shapely { FitStage::Converged } else { FitStage::Fitted };
-        self.stage = slip.hidden.map_or(next, FitStage::Failed);
+        *stage = slip.hidden.map_or(next, FitStage::Failed);
     }
 
     /// Fits the next place of the onset; ends if it is `late`. The onset is then undetermined within
     /// a period to either side, as it is where all places are likely and slips recur fast, unless
     /// enough samples lie in the slip and the cable is taut.
-    fn place(&mut self, late: bool) {
-        let FitStage::Places(places) = &mut self.stage else { return };
+    fn place(&mut self, stage: &mut FitStage, late: bool) {
+        let FitStage::Places(places) = stage else { return };
         let mut posterior = if late {
             Posterior::at(&self.fit, self.priors.noise_n2)
         } else {
@@ -302,6 +304,6 @@ impl CycleFit {
         }
         self.measured.posterior = posterior;
         self.excess = 1.0;
-        self.stage = FitStage::Learning;
+        *stage = FitStage::Learning;
     }
 }

@@ -11,6 +11,7 @@ use core::ops::Range;
 use crate::cycle::slip_record::extremes::{Extreme, Rough};
 pub(crate) use crate::cycle::slip_record::initial_guess::GUESSED;
 use crate::detector::{Detector, Stick};
+use crate::effect::{Effect, Kept};
 use crate::event::Reason;
 use crate::fit::{Fit, Samples};
 use crate::model::elongation::Elongation;
@@ -67,7 +68,7 @@ pub(crate) struct SlipRecord {
     /// are kept in elongation where the cable sags.
     pub(crate) elongation: Elongation,
     /// Line of the later half of the rest before the slip, where that rest can determine the sag.
-    pub(crate) late: Line,
+    pub(crate) late: Kept<Line, { Effect::Sag.room() }>,
     /// The samples between the lines, N, the first `length` of them; NaN where one is missing.
     forces_n: [f32; CORE],
     /// Time of the first sample, periods, and the number of samples.
@@ -82,7 +83,7 @@ pub(crate) struct SlipRecord {
     /// Correlated noise about the stick lines.
     pub(crate) wander: Wander,
     /// The oscillation about the line before the slip.
-    pub(crate) oscillation: Sinusoid,
+    pub(crate) oscillation: Kept<Sinusoid, { Effect::Ripple.room() }>,
     /// Weight of the samples after the stop, and the time, periods, from which it applies.
     pub(crate) rest_weight: f32,
     rest_from: f32,
@@ -120,7 +121,7 @@ impl SlipRecord {
             origin: first,
             before: stick.line_from(first),
             elongation,
-            late: Line::default(),
+            late: Kept::default(),
             forces_n: [0.0; CORE],
             start: since(first, start),
             length: 0,
@@ -129,7 +130,7 @@ impl SlipRecord {
             rough,
             noise_n2: noise_n * noise_n,
             wander: detector.wander().into(),
-            oscillation: Sinusoid::default(),
+            oscillation: Kept::default(),
             rest_weight,
             rest_from: low.time,
             hidden: None,
@@ -215,7 +216,7 @@ impl SlipRecord {
         next_peak: u32,
         last: Option<u32>,
     ) {
-        if stick.first_from(stick.origin).count == 0 {
+        if stick.first_count() == 0 {
             self.take(window, next_peak.saturating_sub(1));
         }
         self.limit = since(self.origin, next_peak);
@@ -257,7 +258,7 @@ impl SlipRecord {
     /// left.
     pub(crate) fn take_late(&mut self, window: &Window, stick: &Stick) {
         let half = (stick.next - stick.origin) / 2;
-        self.late = self.line_of(window, stick.next - half..stick.next);
+        self.late = self.line_of(window, stick.next - half..stick.next).into();
         if self.elongation.sags() {
             self.before = self.line_of(window, stick.origin..stick.next);
             self.wander.update(|wander| wander.slope = 0.0);

@@ -28,7 +28,7 @@ impl SlipRecord {
     pub(crate) fn take_oscillation(&mut self, window: &Window, stick: &Stick, angle: f32) {
         self.wander.update(|wander| wander.angle = angle);
         let from = stick.next.saturating_sub(sinusoid::MOST).max(stick.origin);
-        self.oscillation = self.oscillation_about(&self.before, window, from..stick.next);
+        self.oscillation = self.oscillation_about(&self.before, window, from..stick.next).into();
     }
 
     /// The oscillation about a line, estimated from the samples of a range.

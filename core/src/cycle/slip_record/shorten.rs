@@ -38,11 +38,11 @@ impl SlipRecord {
 mod tests {
     use super::*;
     use crate::cycle::slip_record::{CORE, Extreme, Rough};
+    use crate::effect::Kept;
     use crate::fit::{Data, Priors};
     use crate::model::elongation::Elongation;
     use crate::model::tests::dff8_13;
     use crate::noise::ripple::ColoredNoise;
-    use crate::noise::sinusoid::Sinusoid;
     use crate::num::math;
     use crate::stats::normal_equations::{Normal, UNKNOWNS};
 
@@ -75,11 +75,11 @@ mod tests {
             rough: Rough::default(),
             noise_n2: 4.0,
             wander: ColoredNoise::NONE.into(),
-            oscillation: Sinusoid::default(),
+            oscillation: Kept::default(),
             rest_weight: 0.5,
             rest_from: shape.stop(),
             elongation: Elongation::default(),
-            late: Line::default(),
+            late: Kept::default(),
             hidden: None,
             early: None,
             slip: (0.0, 0.0),

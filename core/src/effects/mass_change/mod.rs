@@ -66,11 +66,10 @@ enum State {
     Trial(u32),
 }
 
-/// Estimator of the swing, and of the weight ratio that follows from it. The ratio begins at one.
+/// Estimator of the weight ratio, which begins at one. The trend of the swing that its methods take
+/// is that since the last change; a suspect begins it anew.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mass {
-    /// Trend of the swing since the last change.
-    inverse_omega: FadingTrend,
     state: State,
     /// Number of events since the last change.
     seen: u32,
@@ -87,71 +86,64 @@ pub(crate) struct Mass {
 }
 
 impl Mass {
-    /// Trend of the swing since the last change, periods.
+    /// During a suspicion, the trend of the swing from before the suspect.
     #[must_use]
-    pub(crate) fn inverse_omega(&self) -> &FadingTrend {
-        &self.inverse_omega
+    pub(crate) fn before_suspect(&self) -> Option<&FadingTrend> {
+        if let State::Suspect(kept, _) = &self.state { Some(kept) } else { None }
     }
 
-    /// Trend of the swing, periods; during a suspicion the one from before the suspect.
-    #[must_use]
-    pub(crate) fn usual(&self) -> &FadingTrend {
-        if let State::Suspect(kept, _) = &self.state { kept } else { &self.inverse_omega }
-    }
-
-    /// Adds `by`, periods, to all swings that were learnt since the last change.
-    pub(crate) fn translate(&mut self, by: f32) {
-        self.inverse_omega.translate(by);
-    }
-
-    /// Fades the past swings, see [`FadingTrend::forget`].
+    /// Drops any suspicion or trial; the weight ratio stays.
     pub(crate) fn forget(&mut self) {
-        self.inverse_omega.forget();
-    }
-
-    /// Drops the trend of the swing and any suspicion or trial; the weight ratio stays.
-    pub(crate) fn forget_all(&mut self) {
-        self.inverse_omega = FadingTrend::default();
         self.start(None);
         self.state = State::Steady;
     }
 
     /// Tests an event. An event that is [`Verdict::Suspect`] outside a trial is not learnt from.
-    pub(crate) fn judge(&mut self, evidence: &Evidence) -> Verdict {
+    pub(crate) fn judge(&mut self, swing: &mut FadingTrend, evidence: &Evidence) -> Verdict {
         let off = self.off(evidence);
         let forces = 1.0 + off;
         // The swing excludes the mass that the force implies: then the friction has changed.
-        let is_friction = evidence.excludes(self.usual().prior(1.0), forces);
+        let usual = self.before_suspect().unwrap_or(swing);
+        let is_friction = evidence.excludes(usual.prior(1.0), forces);
         self.doubt = if is_friction { 0.0 } else { off };
         match self.state {
             State::Trial(_) => Verdict::Suspect,
-            State::Steady => self.judge_steady(evidence, forces),
-            State::Suspect(kept, odd) => self.judge_suspect(evidence, forces, &kept, odd),
+            State::Steady => self.judge_steady(swing, evidence, forces),
+            State::Suspect(kept, odd) => {
+                let (verdict, state) = self.judge_suspect(swing, evidence, forces, (&kept, odd));
+                self.state = state;
+                verdict
+            }
         }
     }
 
-    fn judge_steady(&mut self, evidence: &Evidence, forces: f32) -> Verdict {
-        let is_off = || evidence.is_off(self.inverse_omega.prior(1.0), forces);
+    fn judge_steady(
+        &mut self,
+        swing: &mut FadingTrend,
+        evidence: &Evidence,
+        forces: f32,
+    ) -> Verdict {
+        let is_off = || evidence.is_off(swing.prior(1.0), forces);
         if self.seen < FEWEST || !(evidence.strained || is_off()) {
             return Verdict::Same;
         }
-        self.state = State::Suspect(core::mem::take(&mut self.inverse_omega), 1);
+        self.state = State::Suspect(core::mem::take(swing), 1);
         Verdict::Suspect
     }
 
     /// Tests the event after a suspect.
     fn judge_suspect(
         &mut self,
+        swing: &mut FadingTrend,
         evidence: &Evidence,
         forces: f32,
-        kept: &FadingTrend,
-        odd: u32,
-    ) -> Verdict {
+        (kept, odd): (&FadingTrend, u32),
+    ) -> (Verdict, State) {
         let before = kept.prior(1.0);
-        let (verdict, state) = if evidence.strained
+        if evidence.strained
             || (evidence.inverse_omega.is_some() && !evidence.is_off(before, forces))
         {
-            self.inverse_omega = *kept;
+            *swing = *kept;
             // An event that the model does not describe is not learnt from either.
             (if evidence.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
         } else if evidence.explains(before, self.dynamic_n) {
@@ -164,19 +156,17 @@ impl Mass {
             (Verdict::Unknown, State::Steady)
         } else {
             (Verdict::Suspect, State::Suspect(*kept, odd + 1))
-        };
-        self.state = state;
-        verdict
+        }
     }
 
     /// Learns from an event. Returns the verdict of a trial that ends with it.
     pub(crate) fn learn(&mut self, evidence: &Evidence) -> Option<Verdict> {
         self.seen = self.seen.saturating_add(1);
-        if let Some((inverse_omega, variance)) = evidence.inverse_omega {
-            self.inverse_omega.add(inverse_omega, variance);
-            if self.before.is_some() && self.since.count < MOST {
-                self.since.add((inverse_omega, variance), evidence.dynamic_n);
-            }
+        if let Some(swing) = evidence.inverse_omega
+            && self.before.is_some()
+            && self.since.count < MOST
+        {
+            self.since.add(swing, evidence.dynamic_n);
         }
         if let State::Trial(events) = self.state {
             self.state = State::Trial(events + 1);
@@ -218,37 +208,55 @@ mod tests {
         Evidence { inverse_omega, dynamic_n, same_cable: true, strained: false }
     }
 
-    fn take(mass: &mut Mass, evidence: &Evidence) -> Verdict {
-        mass.forget();
-        let verdict = mass.judge(evidence);
-        if verdict != Verdict::Suspect {
-            mass.learn(evidence);
+    /// The estimator with its trend of the swing.
+    #[derive(Clone, Copy, Debug, Default)]
+    struct Block {
+        mass: Mass,
+        swing: FadingTrend,
+    }
+
+    impl Block {
+        fn judge(&mut self, evidence: &Evidence) -> Verdict {
+            self.mass.judge(&mut self.swing, evidence)
         }
-        verdict
+
+        fn learn(&mut self, evidence: &Evidence) -> Option<Verdict> {
+            evidence.inverse_omega.iter().for_each(|it| self.swing.add(it.0, it.1));
+            self.mass.learn(evidence)
+        }
+
+        fn take(&mut self, evidence: &Evidence) -> Verdict {
+            self.swing.forget();
+            let verdict = self.judge(evidence);
+            if verdict != Verdict::Suspect {
+                self.learn(evidence);
+            }
+            verdict
+        }
     }
 
     /// Swings measured to 0.006 periods, the forces going with the mass.
-    fn taken<const N: usize>(swings: [f32; N]) -> (Mass, [Verdict; N]) {
-        let mut mass = Mass::default();
+    fn taken<const N: usize>(swings: [f32; N]) -> (Block, [Verdict; N]) {
+        let mut block = Block::default();
         let verdicts = core::array::from_fn(|i| {
-            take(&mut mass, &measured(i, swings[i], 0.004, 500.0 * swings[i] * swings[i]))
+            block.take(&measured(i, swings[i], 0.004, 500.0 * swings[i] * swings[i]))
         });
-        (mass, verdicts)
+        (block, verdicts)
     }
 
     #[test]
     fn a_lighter_block_is_told_by_its_second_event() {
         let mut swings = [0.845; 30];
         swings[12..].fill(0.845 * 0.8165);
-        let (mass, verdicts) = taken(swings);
+        let (block, verdicts) = taken(swings);
         assert_eq!((verdicts[12], verdicts[13]), (Verdict::Suspect, Verdict::Mass));
         assert_eq!(verdicts.iter().filter(|&&verdict| verdict == Verdict::Same).count(), 28);
-        let (ratio, std) = mass.weight_ratio_and_std();
+        let (ratio, std) = block.mass.weight_ratio_and_std();
         assert!((ratio / 0.6667 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
         // Its second event is no outlier of the new weight, and begins the new mean of `Fp`.
         let second = taken::<14>(core::array::from_fn(|i| swings[i])).0;
-        let (_, std) = second.weight_ratio_and_std();
-        assert!(std < 0.02 && (second.dynamic_n / 238.0 - 1.0).abs() < 0.01, "{second:?}");
+        let (_, std) = second.mass.weight_ratio_and_std();
+        assert!(std < 0.02 && (second.mass.dynamic_n / 238.0 - 1.0).abs() < 0.01, "{second:?}");
     }
 
     #[test]
@@ -256,7 +264,7 @@ mod tests {
         let mut swings = [0.9; 40];
         swings[14..].fill(0.8);
         swings[28..].fill(0.6);
-        let (ratio, std) = taken(swings).0.weight_ratio_and_std();
+        let (ratio, std) = taken(swings).0.mass.weight_ratio_and_std();
         assert!((ratio * 9.0 / 4.0 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
     }
 
@@ -265,50 +273,50 @@ mod tests {
         let mut swings = [0.845; 30];
         swings[12] = 0.6;
         let in_doubt = taken::<13>(core::array::from_fn(|i| swings[i])).0;
-        assert!((in_doubt.usual().mean().unwrap() - 0.845).abs() < 0.003);
-        let (mass, verdicts) = taken(swings);
+        assert!((in_doubt.mass.before_suspect().unwrap().mean().unwrap() - 0.845).abs() < 0.003);
+        let (block, verdicts) = taken(swings);
         assert_eq!((verdicts[12], verdicts[13]), (Verdict::Suspect, Verdict::Same));
-        assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
-        assert!((mass.inverse_omega().mean().unwrap() - 0.845).abs() < 0.003);
+        assert_eq!(block.mass.weight_ratio_and_std(), (1.0, 0.0));
+        assert!((block.swing.mean().unwrap() - 0.845).abs() < 0.003);
         // A swing as before it excludes another weight in the event after it as well.
         let (mut slippery, swing) = (in_doubt, 0.845);
         assert_eq!(slippery.judge(&measured(2, swing, 0.004, 250.0)), Verdict::Same);
-        assert_eq!(slippery.weight_ratio_and_std(), (1.0, 0.0));
+        assert_eq!(slippery.mass.weight_ratio_and_std(), (1.0, 0.0));
     }
 
     #[test]
     fn a_shortening_cable_is_no_change() {
-        let (mass, verdicts) =
+        let (block, verdicts) =
             taken(core::array::from_fn::<f32, 200, _>(|i| 0.845 - 0.001 * i as f32));
         assert!(verdicts.iter().all(|&verdict| verdict == Verdict::Same));
-        assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
+        assert_eq!(block.mass.weight_ratio_and_std(), (1.0, 0.0));
     }
 
     #[test]
     fn forces_that_stay_contradict_another_mass() {
-        let mut mass = Mass::default();
+        let mut block = Block::default();
         let verdicts: [Verdict; 20] = core::array::from_fn(|i| {
             let inverse_omega = if i < 14 { 0.845 } else { 0.4 };
-            take(&mut mass, &measured(i, inverse_omega, 0.004, 490.0))
+            block.take(&measured(i, inverse_omega, 0.004, 490.0))
         });
         assert!(!verdicts.contains(&Verdict::Mass) && verdicts.contains(&Verdict::Unknown));
-        assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
+        assert_eq!(block.mass.weight_ratio_and_std(), (1.0, 0.0));
     }
 
     /// The swing of each event has an error of 4 %.
     #[test]
     fn a_trial_tells_a_lighter_block_from_another_friction() {
         for (inverse_omega, expected) in [(0.69, Verdict::Mass), (0.845, Verdict::SameMass)] {
-            let mut mass = Mass::default();
-            (0..30).for_each(|i| assert_eq!(mass.learn(&measured(i, 0.845, 0.02, 490.0)), None));
-            assert!(mass.try_weight(490.0));
+            let mut block = Block::default();
+            (0..30).for_each(|i| assert_eq!(block.learn(&measured(i, 0.845, 0.02, 490.0)), None));
+            assert!(block.mass.try_weight(&mut block.swing, 490.0));
             let ended = (0..60).find_map(|i| {
                 let evidence = measured(i, inverse_omega, 0.02, 327.0);
-                assert_eq!(mass.judge(&evidence), Verdict::Suspect);
-                mass.learn(&evidence)
+                assert_eq!(block.judge(&evidence), Verdict::Suspect);
+                block.learn(&evidence)
             });
             assert_eq!(ended, Some(expected));
-            let (ratio, std) = mass.weight_ratio_and_std();
+            let (ratio, std) = block.mass.weight_ratio_and_std();
             let truth = if expected == Verdict::Mass { 0.6667 } else { 1.0 };
             assert!((ratio / truth - 1.0).abs() <= 2.5 * std && std < 0.15, "{ratio} {std}");
         }
@@ -320,21 +328,21 @@ mod tests {
     #[test]
     fn forces_that_go_with_the_mass_tell_it_sooner() {
         let ratio = 0.87_f32;
-        let (mut mass, swing) = (Mass::default(), 0.845 * ratio.sqrt());
+        let (mut block, swing) = (Block::default(), 0.845 * ratio.sqrt());
         (0..12).for_each(|i| {
-            assert_eq!(take(&mut mass, &measured(i, 0.845, 0.008, 500.0 + i as f32)), Verdict::Same)
+            assert_eq!(block.take(&measured(i, 0.845, 0.008, 500.0 + i as f32)), Verdict::Same)
         });
         let broken = measured(2, swing, 0.008, 500.0 * ratio);
         let held = Evidence { dynamic_n: 505.0, ..broken };
-        assert_eq!({ mass }.judge(&held), Verdict::Same);
+        assert_eq!({ block }.judge(&held), Verdict::Same);
         let silent = Evidence { inverse_omega: None, ..broken };
-        let mut unsure = mass;
+        let mut unsure = block;
         assert_eq!(unsure.judge(&silent), Verdict::Same);
-        assert!((unsure.weight_ratio_and_std().1 - 0.14).abs() < 0.02);
+        assert!((unsure.mass.weight_ratio_and_std().1 - 0.14).abs() < 0.02);
         // A swing that stays the same means a change of friction.
         let slippery = Evidence { dynamic_n: 300.0, ..measured(2, 0.845, 0.008, 0.0) };
         assert_eq!(unsure.judge(&slippery), Verdict::Same);
-        assert!(unsure.weight_ratio_and_std().1 < 1e-6);
-        assert_eq!(mass.judge(&broken), Verdict::Suspect);
+        assert!(unsure.mass.weight_ratio_and_std().1 < 1e-6);
+        assert_eq!(block.judge(&broken), Verdict::Suspect);
     }
 }

@@ -11,13 +11,13 @@ use crate::stats::prior::Prior;
 impl Mass {
     /// Starts a trial after a change of the forces; `dynamic_before_n` is `Fp` before it. Returns
     /// `false` if the swing is known too badly for a trial to decide.
-    pub(crate) fn try_weight(&mut self, dynamic_before_n: f32) -> bool {
-        let before = self.inverse_omega.prior(1.0);
+    pub(crate) fn try_weight(&mut self, swing: &mut FadingTrend, dynamic_before_n: f32) -> bool {
+        let before = swing.prior(1.0);
         let known = before.weight * before.mean * before.mean * LEAST * LEAST > 1.0;
         if known && matches!(self.state, State::Steady) {
             self.start(Some(before));
             self.dynamic_n = dynamic_before_n;
-            self.inverse_omega = FadingTrend::default();
+            *swing = FadingTrend::default();
             self.state = State::Trial(0);
         }
         known

@@ -31,14 +31,18 @@ const FEWEST: f32 = 24.0;
 /// All rests have the same bend where the squared mean innovation exceeds this part of the mean
 /// square. Cables that sag have .14 to .43, oscillations, hum and correlated noise less than .015.
 const BENT: f32 = 1.0 / 50.0;
+/// Fewest samples of a line that show a bend of all rests: the flop of a cable that lasts as long as
+/// brief rests bends them all alike, and would pass for a sag.
+const SHORTEST_BEND: f32 = 12.0;
 /// The squared mean also has to exceed its variance under white noise by this factor.
 const NO_CHANCE: f32 = 2.0;
 /// Number of samples below which a bend and correlated noise cannot be distinguished: either is
 /// then treated as a bend.
 const ENOUGH_FOR_BEND: f32 = 240.0;
 /// Variance that such a bend leaves open, over the correlated part of the innovations'. Tuned with
-/// cables that sag: without it the scene `all` covers .62 of its `mu_s`.
-const UNSURE_BEND: f32 = 6.0;
+/// cables that sag: without it the scene `all` covers .62 of its `mu_s`, with 6 the intervals of
+/// `sag_flop` are a tenth wider.
+const UNSURE_BEND: f32 = 5.0;
 /// Standard errors from which on an oscillation counts, fully from 1.4 times as many on. Tuned: a
 /// smaller number widens intervals under white noise by chance (more than 1 % of snow's median), a
 /// larger one makes those of the first events of an oscillation too narrow.
@@ -93,7 +97,8 @@ impl Sums {
         }
         let limit = larger(BENT * self.count, NO_CHANCE);
         let is_red = self.is_red(oscillation_n2, cosine);
-        let bends = self.sum * self.sum > limit * self.squares;
+        let is_long = self.line_length() >= SHORTEST_BEND;
+        let bends = is_long && self.sum * self.sum > limit * self.squares;
         let likely_red = surely(errors, LIKELY_RED * LIKELY_RED);
         // Innovations that alternate are no bend.
         if self.products[0] > 0.0 && (bends || (is_red && self.count < ENOUGH_FOR_BEND)) {
