@@ -9,6 +9,8 @@ const FROM: f64 = 0.2;
 const TO: f64 = 0.95;
 /// Fewest samples for a line with an uncertainty.
 const FEWEST: usize = 8;
+/// Least rise of the line, in scatters about it: noise reaches one.
+const RISE: f64 = 4.0;
 
 /// A value with one standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -188,7 +190,8 @@ fn fit(line: &[(f64, f64)]) -> Option<Line> {
     let r = if squares > 0.0 { (neighbours / squares).clamp(0.0, 0.99) } else { 0.0 };
     let residual_n = (squares / (n - 2.0)).sqrt();
     let std_error = residual_n / spread.sqrt() * ((1.0 + r) / (1.0 - r)).sqrt();
-    let rises = value.is_finite() && value > 0.0;
+    let rise_n = value * (line.last()?.0 - line.first()?.0);
+    let rises = rise_n.is_finite() && rise_n > RISE * residual_n;
     rises.then_some(Line { slope: Measured { value, std_error }, residual_n })
 }
 
@@ -297,6 +300,13 @@ mod tests {
         let flat: Vec<_> = (0..100).map(|i| (f64::from(i) / 16.0, 1.0)).collect();
         let pull = Pull { winch_m_per_s: exact(0.0157), cable_length_m: None };
         assert_eq!(stiffness(&flat, &pull), None);
+        // Noise about a constant force, which by chance has a slope above zero.
+        let noise = |i: u32| 10.0 + f64::from(i.wrapping_mul(2_654_435_761) >> 20) * 1e-3;
+        let lines: Vec<_> = (0..50)
+            .map(|from| (0..400).map(|i| (f64::from(i) / 16.0, noise(400 * from + i))).collect())
+            .filter_map(|idle: Vec<_>| stiffness(&idle, &pull))
+            .collect();
+        assert_eq!(lines, []);
         assert_eq!(stiffness(&[], &pull), None);
     }
 }

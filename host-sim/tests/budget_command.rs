@@ -298,28 +298,42 @@ fn what_the_test_tells_of_the_zero_reaches_its_first_events() {
     assert!(judged * 10 > truths.len() * 9, "{judged} of {}", truths.len());
 }
 
+/// The printed line that begins with a name, and the report.
+fn printed(name: &str, options: &[&str]) -> (String, String) {
+    let folder = TempDir::new().unwrap();
+    let report = folder.path().join("report.html");
+    let program = Command::new(env!("CARGO_BIN_EXE_floe"))
+        .args(["replay", LOG, "--summary", "--report"])
+        .arg(&report)
+        .args(options)
+        .output()
+        .unwrap();
+    assert!(program.status.success(), "{}", String::from_utf8_lossy(&program.stderr));
+    let text = String::from_utf8(program.stdout).unwrap();
+    let line = text.lines().find(|line| line.starts_with(name)).unwrap().to_string();
+    (line, std::fs::read_to_string(&report).unwrap())
+}
+
+/// The coefficient has the digits of its uncertainty, and those of the report.
+#[test]
+fn the_printed_result_is_that_of_the_report() {
+    for (options, mean) in [(&[][..], "1.2399"), (&["--weight-std-n", "30"], "1.240")] {
+        let (line, page) = printed("mu_s ", options);
+        let cells: Vec<&str> = line.split_whitespace().collect();
+        assert_eq!((cells[1], cells[2]), (mean, "±"), "{line}");
+        let headline = format!("{mean}<span class=\"error\"> ± {}</span>", cells[3]);
+        assert!(page.contains(&headline), "{headline}");
+    }
+}
+
 /// A drift of the zero that nobody measured is not printed as none; the JSON stays as it is.
 #[test]
 fn a_drift_that_was_not_measured_is_said_to_be() {
-    let folder = TempDir::new().unwrap();
-    let report = folder.path().join("report.html");
-    let row = |options: &[&str]| {
-        let program = Command::new(env!("CARGO_BIN_EXE_floe"))
-            .args(["replay", LOG, "--summary", "--report"])
-            .arg(&report)
-            .args(options)
-            .output()
-            .unwrap();
-        assert!(program.status.success(), "{}", String::from_utf8_lossy(&program.stderr));
-        let text = String::from_utf8(program.stdout).unwrap();
-        text.lines().find(|line| line.starts_with("zero_drift_n")).unwrap().to_string()
-    };
     let both = ["--zero-before-n", "0", "--zero-after-n", "0.5"];
     for (options, is_said) in [(&[][..], true), (&both[..2], true), (&both, false)] {
-        let row = row(options);
+        let (row, page) = printed("zero_drift_n", options);
         assert_eq!(row.contains("not measured, and none is seen"), is_said, "{row}");
         assert_eq!(row.contains("0.0%"), !is_said, "{row}");
-        let page = std::fs::read_to_string(&report).unwrap();
         assert_eq!(page.contains("not measured, and none is seen"), is_said);
         assert!(number(&line(&replay(options), "zero_drift_n")["std"]).abs() < 1e-12);
     }

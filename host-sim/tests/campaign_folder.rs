@@ -103,10 +103,13 @@ fn what_cannot_be_read_is_named() {
     fs::create_dir_all(folder.join("older/still")).unwrap();
     fs::write(folder.join("y.csv.gz"), [0x1f, 0x8b, 8, 0]).unwrap();
     fs::write(folder.join("z.tsv"), LOG).unwrap();
-    let output = campaign(&folder, &["."]);
+    let report = directory("unreadable_report").join("page.html");
+    let output = campaign(&folder, &[".", "--report", report.to_str().unwrap()]);
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("left out: ./gone.csv: no such file"), "{said}");
+    let page = fs::read_to_string(report).unwrap();
+    assert!(page.contains("<li>left out: ./gone.csv: no such file</li>"), "{page}");
     assert!(said.contains(".: 1 folder in it not looked into"), "{said}");
     assert!(said.contains("note: 2 other files not read, such as ./y.csv.gz: the names"), "{said}");
     assert_refused(&campaign(&folder, &[".", "--strict"]), &["gone.csv: no such file"]);

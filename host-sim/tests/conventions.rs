@@ -164,7 +164,7 @@ fn results_replace_results_of_any_kind() {
     fs::copy(dir.join("log.csv"), dir.join("logs/log.csv")).unwrap();
     fs::write(dir.join("x"), "").unwrap();
     floe(&dir, &["replay", "log.csv", "--quiet", "--samples", "s.parquet"]);
-    floe(&dir, &["replay", "log.csv", "--quiet", "--events", "s.parquet"]);
+    floe(&dir, &["campaign", "logs", "--parquet", "s.parquet"]);
     let commands: [&[&str]; 7] = [
         &["replay", "log.csv", "--quiet", "--events", "x"],
         &["replay", "log.csv", "--quiet", "--samples", "x"],

@@ -288,6 +288,7 @@ fn impossible_scenes_end_in_a_line() {
         "cable_length_m = 1e30",
         "rate_hz = 1e30",
         "start_force_n = 1e30",
+        "measurement.flop = { amplitude_n = 1, hz = 1e9, decay_per_s = 1 }",
     ] {
         let scene =
             with(line).replace("duration_s = 99999999", "duration_s = 99999999\nrate_hz = 2000");

@@ -91,6 +91,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
         output::check_folder(folder, &outputs)?;
     }
     args.samples.as_deref().map_or(Ok(()), check_samples)?;
+    args.events.as_deref().map_or(Ok(()), check_events)?;
     let input = open(path, args.quiet).map_err(|error| error.within(name))?;
     evaluate(name, path, input, &args)?;
     if !args.quiet {
@@ -108,6 +109,15 @@ fn check_samples(path: &Path) -> Result<(), InputError> {
     }
     Err(InputError::new("the name of the samples must end in .csv or .parquet")
         .within(path.display()))
+}
+
+/// Rejects a file name for the events that is that of a Parquet table.
+fn check_events(path: &Path) -> Result<(), InputError> {
+    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("parquet")) {
+        let why = "--events writes CSV, and floe campaign --parquet a Parquet table of events";
+        return Err(InputError::new(why).within(path.display()));
+    }
+    Ok(())
 }
 
 /// Name and content of the log in the binary, which contains its weight.

@@ -119,7 +119,8 @@ impl Clock {
         let uneven = self.is_uneven().then(|| {
             format!(
                 "many samples are missing and as many are dropped: the times do not fit {rate_hz} \
-                 samples per second; give --rate-hz R, or write them with more digits"
+                 samples per second; give --rate-hz R, write them with more digits, or leave them out \
+                 if the samples came evenly"
             )
         });
         let far = (self.far > 0).then(|| {

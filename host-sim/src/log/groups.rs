@@ -123,16 +123,21 @@ impl Groups {
     }
 }
 
-/// Mean of stamp minus sample time over a group, for the first groups.
+/// Mean of stamp minus sample time over a group, for the first groups: the mean of the middle two,
+/// since halves rounded to even seconds make groups of 17 and 15 in turn.
 fn centre(times: &[f64], step: f64, rate_hz: f64) -> f64 {
-    const GROUPS: usize = 9;
+    const GROUPS: usize = 8;
     let start = times.first().copied().unwrap_or(0.0);
     let begins = |(i, w): (usize, &[f64])| match w {
         [a, b] if b > a => Some((b - start) * rate_hz - (i + 1) as f64),
         _ => None,
     };
-    let offsets = times.windows(2).enumerate().filter_map(begins).take(GROUPS).collect();
-    median(offsets).unwrap_or(0.0) - (step - 1.0) / 2.0
+    let mut offsets: Vec<f64> =
+        times.windows(2).enumerate().filter_map(begins).take(GROUPS).collect();
+    offsets.sort_by(f64::total_cmp);
+    let middle = |less: usize| offsets.get(offsets.len().saturating_sub(less) / 2);
+    let both = middle(0).zip(middle(1));
+    both.map_or(0.0, |(a, b)| f64::midpoint(*a, *b)) - (step - 1.0) / 2.0
 }
 
 #[cfg(test)]

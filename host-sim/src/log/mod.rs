@@ -23,6 +23,7 @@ use crate::rounding::counted;
 
 pub mod above;
 pub mod beat;
+pub mod bursts;
 pub mod cells;
 pub mod channels;
 pub mod clock;
@@ -70,7 +71,7 @@ use layout::Layout;
 use lines::Lines;
 use metadata::Metadata;
 pub use number::{Decimal, STANDARD_GRAVITY, Unit};
-use open::{begin, no_floe, peek, recognise, refuse_binary, utf8};
+use open::{begin, below, no_floe, peek, recognise, refuse_binary, utf8};
 pub use options::LogOptions;
 use rate::{keeps_up, left_out, of_stamps, refuse_rate};
 use rows::{LastLine, Row, Rows};
@@ -165,7 +166,7 @@ impl Log {
         lines.head()?;
         let end = lines.line_end();
         let head = lines.head()?;
-        refuse_binary(head)?;
+        refuse_binary(below(head, end, options.skip_lines))?;
         let format = options.format.unwrap_or_else(|| recognise(head, end));
         options.check(format)?;
         let (rows, head) = begin(format, lines, options)?;

@@ -98,15 +98,26 @@ pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
     if ["<?xml", "<!doctype", "<html", "<table"].into_iter().any(starts) {
         return refuse("is HTML or XML; save its table as CSV");
     }
-    let first = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
+    let mut lines = text.splitn(2, |&byte| byte == b'\n');
+    let (first, rest) = (lines.next().unwrap_or_default(), lines.next().unwrap_or_default());
     if first.contains(&0) || control_share(head) > 0.02 {
         let known = BINARY.iter().find(|(start, _)| head.starts_with(start));
-        return refuse(known.map_or(
-            "is a binary file, not a csv, toa5 or cr10 log; a damaged card is for floe recover",
-            |known| known.1,
-        ));
+        let other = match !rest.is_empty() && control_share(rest) <= 0.0 {
+            true => "line 1 is no text: take it out, or give --skip-lines 1",
+            false => {
+                "is a binary file, not a csv, toa5 or cr10 log; a damaged card is for floe recover"
+            }
+        };
+        return refuse(known.map_or(other, |known| known.1));
     }
     Ok(())
+}
+
+/// The beginning of a log behind the lines that are left out; all of it if nothing is left.
+pub fn below(head: &[u8], end: u8, skip_lines: u64) -> &[u8] {
+    let mut ends = head.iter().enumerate().filter(|(_, byte)| **byte == end);
+    let last = skip_lines.checked_sub(1).and_then(|before| ends.nth(before as usize));
+    last.and_then(|(at, _)| head.get(at + 1..)).unwrap_or(head)
 }
 
 /// Whether a sector is the first of a card with a file system.

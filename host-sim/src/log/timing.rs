@@ -7,6 +7,7 @@
 use crate::error::InputError;
 
 use super::beat::beating;
+use super::bursts::Bursts;
 use super::fine::fine;
 use super::groups::shared;
 use super::rate::no_rate;
@@ -78,7 +79,10 @@ pub fn find(
     let Some(step_s) = median(positive_differences(&times)) else {
         return standing(rows, start_s, rate_hz, resolution_s);
     };
-    let timing = if are_shared(rows, resolution_s.is_some()) {
+    let bursts = Bursts::of(&times).and_then(|bursts| bursts.timing(&times, rate_hz));
+    let timing = if let Some(arrived) = bursts {
+        arrived?
+    } else if are_shared(rows, resolution_s.is_some()) {
         shared(&times, step_s, rate_hz, resolution_s)?
     } else {
         beating(rows, rate_hz, step_s, unit_s)

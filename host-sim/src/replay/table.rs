@@ -195,7 +195,7 @@ fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std:
         Some(spread) if spread < LEAST => "none beyond the noise".to_string(),
         spread => part(spread),
     };
-    let decimals = digits(value.combined_std.unwrap_or(0.0)).max(4);
+    let decimals = value.combined_std.map_or(4, digits);
     match (value.combined_std, value.std_error, value.ci95) {
         (Some(combined), Some(random), Some([low, high])) => writeln!(
             out,

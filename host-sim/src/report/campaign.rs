@@ -31,13 +31,14 @@ pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
         figures(summary, tests).iter().enumerate().map(|(i, f)| f.html(i + 1)).collect();
     let body = format!(
         "<header><p class=\"kind\">Campaign</p><h1>{}, {}</h1>{}</header>\n\
-         <main><section>{}</section><section class=\"figures\">\n{figures}</section>{}</main>\n\
+         <main><section>{}{}</section><section class=\"figures\">\n{figures}</section>{}</main>\n\
          <footer><p>Lines by least squares with the band of one standard error, from the \
          scatter between tests. Made by <b>floe {}</b>{}.</p></footer>\n",
         counted(summary.tests as u64, "test"),
         counted(summary.events, "event"),
         simulated(summary.simulated().as_deref()),
         groups(&summary.groups),
+        notices(summary),
         list(&summary.records),
         env!("CARGO_PKG_VERSION"),
         summary.seed.map(|seed| format!(", seed {seed}")).unwrap_or_default(),
@@ -74,6 +75,18 @@ fn groups(groups: &[GroupMeans]) -> String {
          alone. Systematic: the mean of the tests' systematic parts, which tests with one instrument \
          may have in common and no number of them averages out.</p>"
     )
+}
+
+/// Logs that were left out, and what is doubtful about the others.
+fn notices(summary: &Summary) -> String {
+    let left_out = summary.left_out.iter().map(|log| format!("left out: {log}"));
+    let doubts = |test: &TestRecord| {
+        let said = test.warnings.iter().map(|it| format!("{}: {it}", test.test_id));
+        said.collect::<Vec<_>>()
+    };
+    let all = left_out.chain(summary.records.iter().flat_map(doubts));
+    let items: String = all.map(|it| format!("<li>{}</li>", escape(&it))).collect();
+    if items.is_empty() { items } else { format!("<ul class=\"notice\">{items}</ul>") }
 }
 
 fn list(tests: &[TestRecord]) -> String {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::check::{SceneError, between, not_negative, positive, require};
+use super::check::{SceneError, above_zero, between, not_negative, positive, require};
 pub use super::coloured::Coloured;
 pub use super::lag::Lag;
 
@@ -153,7 +153,8 @@ impl Measurement {
     fn validate_waves(&self) -> Result<(), SceneError> {
         if let Some(flop) = &self.flop {
             not_negative("measurement.flop.amplitude_n", flop.amplitude_n)?;
-            positive("measurement.flop.hz", flop.hz)?;
+            // Each of its periods is integrated.
+            above_zero("measurement.flop.hz", flop.hz, 1e4)?;
             not_negative("measurement.flop.decay_per_s", flop.decay_per_s)?;
         }
         if let Some(hum) = &self.hum {

@@ -257,7 +257,7 @@ impl Iterator for Segments {
         if !self.state.time_s.is_finite() || self.failure.is_some() {
             return None;
         }
-        let segment = match self.compute() {
+        let segment = match self.compute().and_then(with_a_force) {
             Ok(segment) => segment,
             Err(failure) => {
                 self.failure = Some(failure);
@@ -267,6 +267,17 @@ impl Iterator for Segments {
         self.enter_next(&segment);
         Some(segment)
     }
+}
+
+/// Rejects a segment at whose end the force is no number.
+fn with_a_force(segment: Segment) -> Result<Segment, String> {
+    if segment.to.force_n.is_nan() {
+        let since_s = segment.from.time_s;
+        return Err(format!(
+            "the force is no number after {since_s:.1} s: some value is far too large or too small"
+        ));
+    }
+    Ok(segment)
 }
 
 /// The state machine of [`Phase`].
@@ -283,6 +294,7 @@ fn after(phase: Phase, end: End) -> Phase {
 #[cfg(test)]
 mod tests {
     use super::super::rate_and_state::RateAndState;
+    use super::super::terms::Drag;
     use super::super::winch::WinchProfile;
     use super::super::{Scene, simulate};
 
@@ -301,6 +313,13 @@ mod tests {
             assert_eq!(simulation.events, []);
             assert!(simulation.samples.iter().all(|s| (s.force_n - steady_n).abs() < 1e-6));
         }
+    }
+
+    #[test]
+    fn a_force_that_is_no_number_ends_the_test() {
+        let drag = Some(Drag { n_s2_per_m2: 1e9, n_s_per_m: 0.0 });
+        let error = simulate(&Scene { drag, ..Scene::default() }, 1).unwrap_err().to_string();
+        assert!(error.starts_with("the force is no number after "), "{error}");
     }
 
     #[test]

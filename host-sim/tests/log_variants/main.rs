@@ -7,6 +7,7 @@ mod doubtful;
 mod loggers;
 mod misread;
 mod people;
+mod ports;
 mod texts;
 
 use std::fmt::Write;
@@ -123,6 +124,8 @@ fn forms() -> Vec<Form> {
         loggers::forces(),
         loggers::times(),
         loggers::lines(),
+        ports::stamps(),
+        ports::first_lines(),
     ]
     .into_iter()
     .flatten()

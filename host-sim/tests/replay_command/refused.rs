@@ -121,3 +121,15 @@ fn bad_options_are_refused_in_one_line() {
     assert_refused(&floe_fed(&options, counts), &["--tare-counts", "--counts-per-n"]);
     assert_refused(&floe(&["replya"]), &["replya"]);
 }
+
+#[test]
+fn a_table_has_the_name_of_its_format() {
+    let dir = directory("table_names");
+    let log = dir.join("log.csv");
+    fs::write(&log, ramp(40)).unwrap();
+    let events = dir.join("events.parquet");
+    let [log, events_path] = [&log, &events].map(|path| path.to_str().unwrap());
+    let refused = floe(&["replay", log, "--weight-n", "100", "--events", events_path]);
+    assert_refused(&refused, &["events.parquet: --events writes CSV, and floe campaign --parquet"]);
+    assert!(!events.exists());
+}
