@@ -241,6 +241,29 @@ fn the_omega_of_a_few_long_slips_is_not_that_of_the_test() {
     }
 }
 
+/// The longest slips of a cable that is slack at times have no length: the others' mean is not the
+/// test's.
+#[test]
+fn the_length_of_the_shorter_slips_is_not_that_of_the_test() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("at_times.toml");
+    for (mu_s, is_known) in [(0.805, false), (0.75, true)] {
+        let text = format!(
+            "duration_s = 120.0\nweight_n = 630.0\nmu_s = {mu_s}\nmu = 0.4\nstiffness_n_per_m = 23000.0\n\
+             winch_m_per_s = 0.0157\n[variation]\nmu_s_fraction = 0.01\nmu_fraction = 0.01\n\
+             [measurement]\nwhite_n = 1.0\n"
+        );
+        std::fs::write(&scene, text).unwrap();
+        let result = replay_of(&simulated_from(&folder, &scene, "1"), &EXACT);
+        let events = result["events"].as_array().unwrap();
+        let slack = events.iter().filter(|event| event["slack"] == true).count();
+        assert_eq!(slack * 20 < events.len(), is_known, "{slack} of {}", events.len());
+        for name in ["slip_length_m", "energy_j"] {
+            assert_eq!(result[name].is_null(), !is_known, "{name} {}", result[name]);
+        }
+    }
+}
+
 #[test]
 fn a_standard_deviation_that_cannot_be_is_refused() {
     for (option, value, why) in [

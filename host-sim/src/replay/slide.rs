@@ -8,6 +8,10 @@ use super::quantities::Relative;
 use super::recurrence::add;
 use super::result::EventSummary;
 
+/// One event in so many may be left out of the mean length: where the longest tenth of lengths that
+/// scatter by a tenth is left out the mean is low by 2 %, where this part is, by 1 %.
+const LEFT_OUT: u64 = 20;
+
 /// What a slip length and its energy are computed from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slide {
@@ -113,16 +117,22 @@ impl Slide {
         both.iter().all(|it| it.combined_std().is_finite()).then_some(both)
     }
 
-    /// Means over the events; `None` where none has a value.
+    /// Means over the events; `None` where none has a value, or where more than one in
+    /// [`LEFT_OUT`] went slack: those are the longest.
     pub(super) fn means(&self, events: &Events) -> [Option<Estimate>; 2] {
-        let mut means = [Estimator::default(); 2];
+        let (mut means, mut slack, mut all) = ([Estimator::default(); 2], 0, 0);
         let read = events.for_each_as_kept(|event| {
+            if event.reason.is_none() {
+                all += 1;
+                slack += u64::from(event.slack);
+            }
             for (mean, it) in means.iter_mut().zip(self.with_std(&event).into_iter().flatten()) {
                 add(mean, it.value.into(), (it.std.into(), it.systematic_std.into()));
             }
             Ok(())
         });
-        means.map(|mean| mean.estimate().filter(|_| read.is_ok()))
+        let represent = read.is_ok() && LEFT_OUT * slack <= all;
+        means.map(|mean| mean.estimate().filter(|_| represent))
     }
 }
 
