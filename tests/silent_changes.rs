@@ -114,3 +114,45 @@ fn a_block_that_breaks_twice_is_weighed_twice() {
     }
     assert_eq!(changes, 24);
 }
+
+/// Somebody steps on the block and off again, some slips later: each is seen as soon as the other,
+/// however few slips lie between, and the weight is the old one again.
+#[test]
+fn a_load_put_on_and_taken_off_leaves_the_weight() {
+    const WEIGHT_N: f64 = 630.0;
+    const TRUTHS: (f64, f64) = (1.24, 0.78);
+    const ON: usize = 12;
+    for (loaded, with, seed) in (1..=9)
+        .flat_map(|n| [1.1, 1.48, 2.19].map(|it| (n, it)))
+        .flat_map(|(n, it)| [1, 2, 3].map(|seed| (n, it, seed)))
+    {
+        let mut normal = Normal::new(seed);
+        let mut slip = |index: usize| {
+            let mass: f64 = if (ON..ON + loaded).contains(&index) { with } else { 1.0 };
+            let mut around = |mu: f64| mu * WEIGHT_N * mass * (1.0 + 0.01 * normal.sample());
+            Slip {
+                static_n: around(TRUTHS.0),
+                dynamic_n: around(TRUTHS.1),
+                omega: 1.183 / mass.sqrt(),
+            }
+        };
+        let slips: Vec<Slip> = (0..60).map(&mut slip).collect();
+        let (mut forces_n, _) = saw(&slips, 22.5, 20.0);
+        forces_n.iter_mut().for_each(|it| *it += 2.0 * normal.sample());
+        let (seen, what) = (read(WEIGHT_N, &forces_n), format!("{with} for {loaded}, seed {seed}"));
+        let ratio = f64::from(*seen.ratios.last().expect("it begins with one"));
+        assert!((ratio - 1.0).abs() < 0.04, "{what}: {ratio}");
+        let mut read = 0;
+        for event in &seen.events {
+            for (got, truth) in [(event.mu_s, TRUTHS.0), (event.mu, TRUTHS.1)] {
+                let Some(got) = got else { continue };
+                read += 1;
+                let std = f64::from(got.combined_std()).hypot(0.01 * truth);
+                let off = (f64::from(got.value) - truth) / std;
+                assert!(off.abs() < 5.0, "{what}: {off} standard deviations: {event:?}");
+            }
+        }
+        // Of 60: without the two first ones, and with one in ten to spare.
+        assert!(read > 2 * 52, "{what}: {read} read");
+    }
+}

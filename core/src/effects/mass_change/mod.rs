@@ -28,7 +28,8 @@ const FAR_MEAN: f32 = 4.0;
 /// Standard deviations beyond which an event's `Fp` is an outlier.
 const FAR_FORCE: f32 = 5.0;
 
-/// Number of events since the last change before which no swing is judged.
+/// Number of events from which on single ones are judged by the others; and of swings since a
+/// change of the mass from which on these alone show how they scatter.
 const FEWEST: u32 = 5;
 /// Largest number of events whose swings determine the ratio; later ones may have another cable
 /// length.
@@ -72,7 +73,7 @@ pub(crate) struct Mass {
     /// Trend of the swing since the last change.
     inverse_omega: FadingTrend,
     state: State,
-    /// Number of events since the last change.
+    /// Number of events since the last change that no mass explains.
     seen: u32,
     /// Mean `Fp` of the recent events, N, and its mean squared deviation, N².
     dynamic_n: f32,
@@ -121,7 +122,7 @@ impl Mass {
         let off = self.off(evidence);
         let forces = 1.0 + off;
         // The swing excludes the mass that the force implies: then the friction has changed.
-        let is_friction = evidence.excludes(self.usual().prior(1.0), forces);
+        let is_friction = evidence.excludes(self.expected(self.usual()), forces);
         self.doubt = if is_friction { 0.0 } else { off };
         match self.state {
             State::Trial(_) => Verdict::Suspect,
@@ -131,7 +132,7 @@ impl Mass {
     }
 
     fn judge_steady(&mut self, evidence: &Evidence, forces: f32) -> Verdict {
-        let is_off = || evidence.is_off(self.inverse_omega.prior(1.0), forces);
+        let is_off = || evidence.is_off(self.expected(&self.inverse_omega), forces);
         if self.seen < FEWEST || !(evidence.strained || is_off()) {
             return Verdict::Same;
         }
@@ -147,7 +148,7 @@ impl Mass {
         kept: &FadingTrend,
         odd: u32,
     ) -> Verdict {
-        let before = kept.prior(1.0);
+        let before = self.expected(kept);
         let (verdict, state) = if evidence.strained
             || (evidence.inverse_omega.is_some() && !evidence.is_off(before, forces))
         {
@@ -155,9 +156,7 @@ impl Mass {
             // An event that the model does not describe is not learnt from either.
             (if evidence.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
         } else if evidence.explains(before, self.dynamic_n) {
-            self.start(Some(before));
-            // The mass explains the force.
-            self.doubt = 0.0;
+            self.change_mass(before, evidence.dynamic_n);
             (Verdict::Mass, State::Steady)
         } else if odd >= if evidence.inverse_omega.is_some() { ODD } else { SILENT } {
             self.start(None);
@@ -174,7 +173,9 @@ impl Mass {
         self.seen = self.seen.saturating_add(1);
         if let Some((inverse_omega, variance)) = evidence.inverse_omega {
             self.inverse_omega.add(inverse_omega, variance);
-            if self.before.is_some() && self.since.count < MOST {
+            // The swing of an event that may have another weight says nothing on this one.
+            let is_of_this = self.doubt.abs() <= 0.0 || self.is_on_trial();
+            if self.before.is_some() && self.since.count < MOST && is_of_this {
                 self.since.add((inverse_omega, variance), evidence.dynamic_n);
             }
         }
@@ -187,8 +188,8 @@ impl Mass {
             self.dynamic_n = self.since.dynamic_n_or(self.dynamic_n);
             return Some(verdict);
         }
-        // An `Fp` that another weight may have caused does not enter the mean; the first one after a
-        // change begins it anew.
+        // An `Fp` that another weight may have caused does not enter the mean; the first one begins
+        // it anew.
         if self.doubt.abs() <= 0.0 || self.seen == 1 {
             let share = 1.0 / self.seen.clamp(1, 8) as f32;
             let off_n = evidence.dynamic_n - self.dynamic_n;

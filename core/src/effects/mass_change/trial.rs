@@ -3,7 +3,7 @@
 //! swings.
 
 use crate::effects::mass_change::swings::{LEAST, Ratio, Swings, is_nearer};
-use crate::effects::mass_change::{FAR_MEAN, MOST, Mass, State, Verdict};
+use crate::effects::mass_change::{FAR_MEAN, FEWEST, MOST, Mass, State, Verdict};
 use crate::num::math;
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::prior::Prior;
@@ -89,9 +89,44 @@ impl Mass {
         }
     }
 
-    /// Starts new sums of the swings; their result so far stays in the weight ratio.
+    /// Starts new sums of the swings; their result so far stays in the weight ratio. Without a swing
+    /// `before` the past is of no use.
     pub(super) fn start(&mut self, before: Option<Prior>) {
         self.base = self.weight();
-        (self.before, self.seen, self.since) = (before, 0, Swings::default());
+        (self.before, self.since) = (before, Swings::default());
+        self.seen = if before.is_some() { self.seen } else { 0 };
+    }
+
+    /// Takes another mass, with which an event has this `Fp` and before which the swing was
+    /// `before`. Soon after another change that one still counts as before: of the mass between,
+    /// known by a few swings, the ratio is then independent.
+    pub(super) fn change_mass(&mut self, before: Prior, dynamic_n: f32) {
+        if self.is_young() {
+            self.since = Swings::default();
+        } else {
+            self.start(Some(before));
+        }
+        // Friction goes with the weight, and so does its scatter.
+        let forces = dynamic_n / self.dynamic_n;
+        self.scatter_n2 *= forces * forces;
+        // The mass explains the force.
+        (self.dynamic_n, self.doubt) = (dynamic_n, 0.0);
+    }
+
+    /// Has the mass changed so lately that a few swings have been seen since?
+    fn is_young(&self) -> bool {
+        self.before.is_some() && self.since.count < FEWEST
+    }
+
+    /// Prior of the next swing by the trend of the swings. Soon after a change of the mass it is
+    /// their mean, and they vary as those before it did.
+    pub(super) fn expected(&self, trend: &FadingTrend) -> Prior {
+        match self.before.filter(|_| self.is_young()) {
+            Some(before) => {
+                let Swings { mean, weight, .. } = self.since;
+                Prior { mean, weight }.loosened(1.0 / before.weight)
+            }
+            None => trend.prior(1.0),
+        }
     }
 }
