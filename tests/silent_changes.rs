@@ -156,3 +156,35 @@ fn a_load_put_on_and_taken_off_leaves_the_weight() {
         assert!(read > 2 * 52, "{what}: {read} read");
     }
 }
+
+/// Friction falls by a quarter, and single swings are known to a few percent only: as soon as their
+/// mean excludes the weight that would explain the forces, the weight is the given one. Where it
+/// does not, the cause is unknown, and so is the weight.
+#[test]
+fn a_fall_of_friction_leaves_the_weight_certain() {
+    const FALL: usize = 25;
+    let (mut told, mut without, records) = (0, 0, 24);
+    for seed in 0..records {
+        let mut normal = Normal::new(seed);
+        let mut slip = |index: usize| {
+            let part = if index < FALL { 1.0 } else { 0.77 };
+            let mut around = |force_n: f64| force_n * part * (1.0 + 0.004 * normal.sample());
+            Slip { static_n: around(780.0), dynamic_n: around(580.0), omega: 0.5 }
+        };
+        let slips: Vec<Slip> = (0..60).map(&mut slip).collect();
+        let (mut forces_n, _) = saw(&slips, 12.0, 20.0);
+        forces_n.iter_mut().for_each(|it| *it += 8.0 * normal.sample());
+        let seen = read(1000.0, &forces_n);
+        assert!(seen.ratios.len() == 1 && seen.changes.len() == 1, "{seed}: {:?}", seen.changes);
+        for change in &seen.changes {
+            let certain = change.weight_ratio_std < 0.01;
+            assert_eq!(certain, change.cause == Cause::Friction, "{seed}: {change:?}");
+            told += u32::from(certain);
+        }
+        without += seen.events.iter().filter(|it| it.reason == Some(Reason::Suspect)).count();
+    }
+    println!("{told} of {records} are told, {without} events without coefficients");
+    assert!(told > 16, "{told}");
+    // One trial of all sixteen events in four records, and four events in the others.
+    assert!(without < 24 * 7, "{without}");
+}

@@ -57,11 +57,15 @@ impl Mass {
         let Ratio { value, variance } = self.ratio();
         let (value, variance) = (value / self.base.value, variance - self.base.variance);
         let (off, forces) = (value - 1.0, self.since.dynamic_n / self.dynamic_n);
-        let is_off =
-            self.since.count > 1 && off * off > FAR_MEAN * FAR_MEAN * variance * value * value;
+        let is_seen = self.since.count > 1;
+        let least = FAR_MEAN * FAR_MEAN * variance * value * value;
+        let excludes = |ratio: f32| is_seen && (value - ratio) * (value - ratio) > least;
+        let is_off = excludes(1.0);
+        // The mass stayed: its ratio is known to be near one, or cannot be that of the forces.
+        let is_sharp = is_seen && variance < 0.25 * LEAST * LEAST && off.abs() < LEAST;
         let verdict = if is_off && off.abs() > LEAST && is_nearer(forces, value) {
             Verdict::Mass
-        } else if self.since.count > 1 && variance < 0.25 * LEAST * LEAST && off.abs() < LEAST {
+        } else if is_sharp || (!is_off && excludes(forces)) {
             Verdict::SameMass
         } else if is_off || events >= MOST {
             Verdict::Unknown
