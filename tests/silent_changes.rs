@@ -114,3 +114,77 @@ fn a_block_that_breaks_twice_is_weighed_twice() {
     }
     assert_eq!(changes, 24);
 }
+
+/// Somebody steps on the block and off again, some slips later: each is seen as soon as the other,
+/// however few slips lie between, and the weight is the old one again.
+#[test]
+fn a_load_put_on_and_taken_off_leaves_the_weight() {
+    const WEIGHT_N: f64 = 630.0;
+    const TRUTHS: (f64, f64) = (1.24, 0.78);
+    const ON: usize = 12;
+    for (loaded, with, seed) in (1..=9)
+        .flat_map(|n| [1.1, 1.48, 2.19].map(|it| (n, it)))
+        .flat_map(|(n, it)| [1, 2, 3].map(|seed| (n, it, seed)))
+    {
+        let mut normal = Normal::new(seed);
+        let mut slip = |index: usize| {
+            let mass: f64 = if (ON..ON + loaded).contains(&index) { with } else { 1.0 };
+            let mut around = |mu: f64| mu * WEIGHT_N * mass * (1.0 + 0.01 * normal.sample());
+            Slip {
+                static_n: around(TRUTHS.0),
+                dynamic_n: around(TRUTHS.1),
+                omega: 1.183 / mass.sqrt(),
+            }
+        };
+        let slips: Vec<Slip> = (0..60).map(&mut slip).collect();
+        let (mut forces_n, _) = saw(&slips, 22.5, 20.0);
+        forces_n.iter_mut().for_each(|it| *it += 2.0 * normal.sample());
+        let (seen, what) = (read(WEIGHT_N, &forces_n), format!("{with} for {loaded}, seed {seed}"));
+        let ratio = f64::from(*seen.ratios.last().expect("it begins with one"));
+        assert!((ratio - 1.0).abs() < 0.04, "{what}: {ratio}");
+        let mut read = 0;
+        for event in &seen.events {
+            for (got, truth) in [(event.mu_s, TRUTHS.0), (event.mu, TRUTHS.1)] {
+                let Some(got) = got else { continue };
+                read += 1;
+                let std = f64::from(got.combined_std()).hypot(0.01 * truth);
+                let off = (f64::from(got.value) - truth) / std;
+                assert!(off.abs() < 5.0, "{what}: {off} standard deviations: {event:?}");
+            }
+        }
+        // Of 60: without the two first ones, and with one in ten to spare.
+        assert!(read > 2 * 52, "{what}: {read} read");
+    }
+}
+
+/// Friction falls by a quarter, and single swings are known to a few percent only: as soon as their
+/// mean excludes the weight that would explain the forces, the weight is the given one. Where it
+/// does not, the cause is unknown, and so is the weight.
+#[test]
+fn a_fall_of_friction_leaves_the_weight_certain() {
+    const FALL: usize = 25;
+    let (mut told, mut without, records) = (0, 0, 24);
+    for seed in 0..records {
+        let mut normal = Normal::new(seed);
+        let mut slip = |index: usize| {
+            let part = if index < FALL { 1.0 } else { 0.77 };
+            let mut around = |force_n: f64| force_n * part * (1.0 + 0.004 * normal.sample());
+            Slip { static_n: around(780.0), dynamic_n: around(580.0), omega: 0.5 }
+        };
+        let slips: Vec<Slip> = (0..60).map(&mut slip).collect();
+        let (mut forces_n, _) = saw(&slips, 12.0, 20.0);
+        forces_n.iter_mut().for_each(|it| *it += 8.0 * normal.sample());
+        let seen = read(1000.0, &forces_n);
+        assert!(seen.ratios.len() == 1 && seen.changes.len() == 1, "{seed}: {:?}", seen.changes);
+        for change in &seen.changes {
+            let certain = change.weight_ratio_std < 0.01;
+            assert_eq!(certain, change.cause == Cause::Friction, "{seed}: {change:?}");
+            told += u32::from(certain);
+        }
+        without += seen.events.iter().filter(|it| it.reason == Some(Reason::Suspect)).count();
+    }
+    println!("{told} of {records} are told, {without} events without coefficients");
+    assert!(told > 16, "{told}");
+    // One trial of all sixteen events in four records, and four events in the others.
+    assert!(without < 24 * 7, "{without}");
+}

@@ -5,6 +5,10 @@
 
 use floe::sim::Scene;
 use floe::sim::terms::Variation;
+use floe_core::{Config, InputStd, Pipeline};
+use floe_tests::feed;
+use floe_tests::normal::Normal;
+use floe_tests::saw::{Slip, saw};
 use floe_tests::score::{Score, run, run_with};
 
 const SEEDS: u64 = 12;
@@ -68,4 +72,43 @@ fn the_report_says_how_far_the_zero_may_have_moved() {
     let mean = drifted.mu.unwrap();
     let off = (f64::from(mean.mean) - 0.78) / f64::from(mean.combined_std().unwrap());
     assert!(off > 0.5 && off < 1.96, "{off}");
+}
+
+/// Friction that falls by 30 % within some twenty slips takes the drop with it, which no zero does:
+/// the intervals remain those of the noise.
+#[test]
+fn friction_that_melts_is_no_drift() {
+    const WEIGHT_N: f64 = 630.0;
+    for seed in 0..12 {
+        let mut normal = Normal::new(seed);
+        let mut truths = Vec::new();
+        let mut slip = |index: u32| {
+            let part = 0.7 + 0.3 * (-f64::from(index) / 20.0).exp();
+            let mut around = |mu: f64| mu * part * (1.0 + 0.01 * normal.sample());
+            let (mu_s, mu) = (around(1.24), around(0.78));
+            truths.push(mu);
+            Slip { static_n: mu_s * WEIGHT_N, dynamic_n: mu * WEIGHT_N, omega: 1.183 }
+        };
+        let slips: Vec<Slip> = (0..78).map(&mut slip).collect();
+        let (mut forces_n, _) = saw(&slips, 22.5, 20.0);
+        forces_n.iter_mut().for_each(|it| *it += 2.0 * normal.sample());
+        let config =
+            Config { weight_n: WEIGHT_N as f32, std: InputStd::EXACT, ..Config::default() };
+        let mut pipeline = Pipeline::new(&config).expect("the configuration is valid");
+        let (mut squares, mut widths) = (0.0, Vec::new());
+        for sample in feed::in_a_row(&forces_n) {
+            let Some(event) = pipeline.step(sample).event else { continue };
+            let mu = event.mu.expect("every slip is measured");
+            squares += (f64::from(mu.value) - truths[event.index as usize]).powi(2);
+            widths.push(f64::from(mu.combined_std()));
+        }
+        widths.sort_by(f64::total_cmp);
+        let rms = (squares / widths.len() as f64).sqrt();
+        let ratio = widths[widths.len() / 2] / rms;
+        println!("seed {seed}: the median interval is {ratio:.2} times the error");
+        assert!((0.6..3.0).contains(&ratio), "seed {seed}: {ratio}");
+        let zero_n = pipeline.report().zero_drift_n;
+        println!("seed {seed}: the zero may have moved by {zero_n:.1} N in the mean");
+        assert!(zero_n < 5.0, "seed {seed}: {zero_n} N");
+    }
 }

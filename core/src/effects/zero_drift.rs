@@ -11,8 +11,8 @@
 //! far as it is significant. The scatter is estimated from second differences, to which a smooth
 //! drift adds nothing. Where the drop `D = mu_s − mu` has shifted by `δD`, friction explains up to
 //! `δD mu/D` of a shift of the same sign (both coefficients in proportion), and up to `δD` of one
-//! of the other sign (`mu` alone). The rest is extrapolated to the whole test, as if it had grown
-//! linearly.
+//! of the other sign (`mu` alone), and at least what it explains in the means over more events. The
+//! rest is extrapolated to the whole test, as if it had grown linearly.
 
 use crate::coefficient::Coefficient;
 use crate::num::math;
@@ -48,6 +48,15 @@ const LEAST_PART: f32 = 0.5;
 
 /// `mu`, the drop `mu_s − mu`, and their stated variances: of one event, or means over events.
 type Values = [f32; 4];
+
+/// What is known of a change of friction.
+#[derive(Clone, Copy, Debug, Default)]
+struct Friction {
+    /// Part of the shift of `mu` that it explains.
+    shift: f32,
+    /// How surely the drop shows that there is one, 0 to 1.
+    sure: f32,
+}
 
 /// Means over the first and over the last events.
 #[derive(Clone, Copy, Debug, Default)]
@@ -104,24 +113,29 @@ impl Drift {
         self.add_second_difference(event, taken);
         let [of_mu, of_drop] = self.second_differences.map(|sum| self.scatter(sum));
         let [.., stated_of_drop] = event;
-        let least = LEAST_SHARE * (of_drop + stated_of_drop);
-        let scatter = [math::larger(of_mu, least), of_drop];
-        let mut moved = 0.0_f32;
-        for (span, length) in self.spans.iter_mut().zip(SPANS) {
+        let margin = 1.0 + (FEW / self.count) * (FEW / self.count);
+        let least = LEAST_SHARE * (margin * of_drop + stated_of_drop);
+        let scatter = [math::larger(margin * of_mu, least), of_drop];
+        let (mut moved, mut friction) = (0.0_f32, Friction::default());
+        // The longest first: what friction explains in a mean over many events it also explains in
+        // one over few.
+        for (span, length) in self.spans.iter_mut().zip(SPANS).rev() {
             span.take(event, taken, length);
             if taken > length && self.count > 0.0 {
                 let lag = LEARNING + 1.5 * length - 0.5;
                 let part = math::larger(1.0 - lag / self.events, LEAST_PART);
-                let whole = span.moved(scatter, length) / part;
+                let whole = span.moved(scatter, length, &mut friction) / part;
                 if whole.abs() > moved.abs() {
                     moved = whole;
                 }
             }
         }
-        self.mean += (moved - self.mean) / self.events;
+        // The zero may come back, and friction may hide its shift, so a shift found fades slowly,
+        // unless friction is known to have changed by now.
+        let open = 1.0 - friction.sure;
+        self.mean = open * self.mean + (moved - open * self.mean) / self.events;
         self.last = moved;
-        // The zero may come back, and friction may hide its shift, so a shift found fades slowly.
-        self.square = math::larger(moved * moved, FADE * self.square);
+        self.square = math::larger(moved * moved, FADE * open * self.square);
     }
 
     /// Updates the second differences with the one that ends at this event.
@@ -139,11 +153,9 @@ impl Drift {
         }
     }
 
-    /// Variance between events beyond the stated one, with a margin where few second differences
-    /// determine it.
+    /// Variance between events beyond the stated one.
     fn scatter(&self, sum: f32) -> f32 {
-        let few = FEW / self.count;
-        math::larger(sum / self.count, 0.0) * (1.0 + few * few)
+        math::larger(sum / self.count, 0.0)
     }
 }
 
@@ -158,20 +170,27 @@ impl Span {
     }
 
     /// The significant shift of `mu` that friction does not explain. `mu_scatter` and
-    /// `drop_scatter` are variances.
-    fn moved(&self, [mu_scatter, drop_scatter]: [f32; 2], length: f32) -> f32 {
+    /// `drop_scatter` are variances. `friction` is what longer means know of it, and is updated.
+    fn moved(
+        &self,
+        [mu_scatter, drop_scatter]: [f32; 2],
+        length: f32,
+        friction: &mut Friction,
+    ) -> f32 {
         let by = |i: usize| self.last[i] - self.first[i];
         let variance =
             |i: usize, scatter: f32| (self.last[i] + self.first[i] + 2.0 * scatter) / length;
         let (mu, drop, [level, usual_drop, ..]) = (by(0), by(1), self.last);
-        let limit = DROP_SIGNIFICANT * DROP_SIGNIFICANT * variance(3, drop_scatter);
-        let sure = surely(drop * drop, limit);
-        let most = sure * (drop.abs() + math::sqrt(limit));
-        let same = (mu > 0.0) == (drop > 0.0);
-        let friction = if same { most * level / usual_drop } else { most };
-        let rest = mu.abs() - math::larger(friction, 0.0);
-        let limit = SIGNIFICANT * SIGNIFICANT * variance(2, mu_scatter);
-        math::larger(rest, 0.0).copysign(mu) * surely(rest * rest, limit)
+        let of_drop = variance(3, drop_scatter);
+        let sure = surely(drop * drop, DROP_SIGNIFICANT * DROP_SIGNIFICANT * of_drop);
+        let by = sure * if (mu > 0.0) == (drop > 0.0) { level / usual_drop } else { 1.0 };
+        let explained = math::larger(by * drop.abs(), friction.shift * 1_f32.copysign(mu));
+        friction.shift = math::smaller(explained, mu.abs()).copysign(mu);
+        let significant = SIGNIFICANT * SIGNIFICANT;
+        friction.sure = math::larger(friction.sure, surely(drop * drop, significant * of_drop));
+        let rest = math::larger(mu.abs() - explained, 0.0).copysign(mu);
+        let of_rest = variance(2, mu_scatter) + by * by * of_drop;
+        rest * surely(rest * rest, significant * of_rest)
     }
 }
 

@@ -28,7 +28,8 @@ const FAR_MEAN: f32 = 4.0;
 /// Standard deviations beyond which an event's `Fp` is an outlier.
 const FAR_FORCE: f32 = 5.0;
 
-/// Number of events since the last change before which no swing is judged.
+/// Number of events from which on single ones are judged by the others; and of swings since a
+/// change of the mass from which on these alone show how they scatter.
 const FEWEST: u32 = 5;
 /// Largest number of events whose swings determine the ratio; later ones may have another cable
 /// length.
@@ -71,7 +72,7 @@ enum State {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mass {
     state: State,
-    /// Number of events since the last change.
+    /// Number of events since the last change that no mass explains.
     seen: u32,
     /// Mean `Fp` of the recent events, N, and its mean squared deviation, N².
     dynamic_n: f32,
@@ -104,7 +105,7 @@ impl Mass {
         let forces = 1.0 + off;
         // The swing excludes the mass that the force implies: then the friction has changed.
         let usual = self.before_suspect().unwrap_or(swing);
-        let is_friction = evidence.excludes(usual.prior(1.0), forces);
+        let is_friction = evidence.excludes(self.expected(usual), forces);
         self.doubt = if is_friction { 0.0 } else { off };
         match self.state {
             State::Trial(_) => Verdict::Suspect,
@@ -123,7 +124,7 @@ impl Mass {
         evidence: &Evidence,
         forces: f32,
     ) -> Verdict {
-        let is_off = || evidence.is_off(swing.prior(1.0), forces);
+        let is_off = || evidence.is_off(self.expected(swing), forces);
         if self.seen < FEWEST || !(evidence.strained || is_off()) {
             return Verdict::Same;
         }
@@ -139,7 +140,7 @@ impl Mass {
         forces: f32,
         (kept, odd): (&FadingTrend, u32),
     ) -> (Verdict, State) {
-        let before = kept.prior(1.0);
+        let before = self.expected(kept);
         if evidence.strained
             || (evidence.inverse_omega.is_some() && !evidence.is_off(before, forces))
         {
@@ -147,9 +148,7 @@ impl Mass {
             // An event that the model does not describe is not learnt from either.
             (if evidence.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
         } else if evidence.explains(before, self.dynamic_n) {
-            self.start(Some(before));
-            // The mass explains the force.
-            self.doubt = 0.0;
+            self.change_mass(before, evidence.dynamic_n);
             (Verdict::Mass, State::Steady)
         } else if odd >= if evidence.inverse_omega.is_some() { ODD } else { SILENT } {
             self.start(None);
@@ -162,9 +161,12 @@ impl Mass {
     /// Learns from an event. Returns the verdict of a trial that ends with it.
     pub(crate) fn learn(&mut self, evidence: &Evidence) -> Option<Verdict> {
         self.seen = self.seen.saturating_add(1);
+        // The swing of an event that may have another weight says nothing on this one.
+        let is_of_this = self.doubt.abs() <= 0.0 || self.is_on_trial();
         if let Some(swing) = evidence.inverse_omega
             && self.before.is_some()
             && self.since.count < MOST
+            && is_of_this
         {
             self.since.add(swing, evidence.dynamic_n);
         }
@@ -177,8 +179,8 @@ impl Mass {
             self.dynamic_n = self.since.dynamic_n_or(self.dynamic_n);
             return Some(verdict);
         }
-        // An `Fp` that another weight may have caused does not enter the mean; the first one after a
-        // change begins it anew.
+        // An `Fp` that another weight may have caused does not enter the mean; the first one begins
+        // it anew.
         if self.doubt.abs() <= 0.0 || self.seen == 1 {
             let share = 1.0 / self.seen.clamp(1, 8) as f32;
             let off_n = evidence.dynamic_n - self.dynamic_n;

@@ -3,7 +3,7 @@
 //! swings.
 
 use crate::effects::mass_change::swings::{LEAST, Ratio, Swings, is_nearer};
-use crate::effects::mass_change::{FAR_MEAN, MOST, Mass, State, Verdict};
+use crate::effects::mass_change::{FAR_MEAN, FEWEST, MOST, Mass, State, Verdict};
 use crate::num::math;
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::prior::Prior;
@@ -57,11 +57,15 @@ impl Mass {
         let Ratio { value, variance } = self.ratio();
         let (value, variance) = (value / self.base.value, variance - self.base.variance);
         let (off, forces) = (value - 1.0, self.since.dynamic_n / self.dynamic_n);
-        let is_off =
-            self.since.count > 1 && off * off > FAR_MEAN * FAR_MEAN * variance * value * value;
+        let is_seen = self.since.count > 1;
+        let least = FAR_MEAN * FAR_MEAN * variance * value * value;
+        let excludes = |ratio: f32| is_seen && (value - ratio) * (value - ratio) > least;
+        let is_off = excludes(1.0);
+        // The mass stayed: its ratio is known to be near one, or cannot be that of the forces.
+        let is_sharp = is_seen && variance < 0.25 * LEAST * LEAST && off.abs() < LEAST;
         let verdict = if is_off && off.abs() > LEAST && is_nearer(forces, value) {
             Verdict::Mass
-        } else if self.since.count > 1 && variance < 0.25 * LEAST * LEAST && off.abs() < LEAST {
+        } else if is_sharp || (!is_off && excludes(forces)) {
             Verdict::SameMass
         } else if is_off || events >= MOST {
             Verdict::Unknown
@@ -89,9 +93,44 @@ impl Mass {
         }
     }
 
-    /// Starts new sums of the swings; their result so far stays in the weight ratio.
+    /// Starts new sums of the swings; their result so far stays in the weight ratio. Without a swing
+    /// `before` the past is of no use.
     pub(super) fn start(&mut self, before: Option<Prior>) {
         self.base = self.weight();
-        (self.before, self.seen, self.since) = (before, 0, Swings::default());
+        (self.before, self.since) = (before, Swings::default());
+        self.seen = if before.is_some() { self.seen } else { 0 };
+    }
+
+    /// Takes another mass, with which an event has this `Fp` and before which the swing was
+    /// `before`. Soon after another change that one still counts as before: of the mass between,
+    /// known by a few swings, the ratio is then independent.
+    pub(super) fn change_mass(&mut self, before: Prior, dynamic_n: f32) {
+        if self.is_young() {
+            self.since = Swings::default();
+        } else {
+            self.start(Some(before));
+        }
+        // Friction goes with the weight, and so does its scatter.
+        let forces = dynamic_n / self.dynamic_n;
+        self.scatter_n2 *= forces * forces;
+        // The mass explains the force.
+        (self.dynamic_n, self.doubt) = (dynamic_n, 0.0);
+    }
+
+    /// Has the mass changed so lately that a few swings have been seen since?
+    fn is_young(&self) -> bool {
+        self.before.is_some() && self.since.count < FEWEST
+    }
+
+    /// Prior of the next swing by the trend of the swings. Soon after a change of the mass it is
+    /// their mean, and they vary as those before it did.
+    pub(super) fn expected(&self, trend: &FadingTrend) -> Prior {
+        match self.before.filter(|_| self.is_young()) {
+            Some(before) => {
+                let Swings { mean, weight, .. } = self.since;
+                Prior { mean, weight }.loosened(1.0 / before.weight)
+            }
+            None => trend.prior(1.0),
+        }
     }
 }
