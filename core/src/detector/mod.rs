@@ -39,6 +39,7 @@ mod slack_wait;
 mod stick_line;
 
 pub(crate) use crate::detector::catch_up::MOST_PUT_OFF;
+pub use crate::detector::onset::FIRST_DROP;
 pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;

@@ -12,7 +12,7 @@ pub(super) const OFF_LINE: f32 = 6.0;
 /// Least drop of the first slip, standard deviations of the noise: more than later, since there is
 /// no usual drop to compare with. Tuned: with 6 noise with a correlation of .9 is taken for slips
 /// more than twice as often, with 8 one scene in 350 of `--example plane` has no event for it.
-const FIRST_DROP: f32 = 8.0;
+pub const FIRST_DROP: f32 = 8.0;
 /// Least drop of a slip once the usual drop is known, or without a line, standard deviations of the
 /// noise: as [`OFF_LINE`].
 const LEAST_DROP: f32 = 6.0;

@@ -1,5 +1,6 @@
 //! Reasons to doubt that the log and the given numbers belong together.
 
+use floe_core::detector::FIRST_DROP;
 use floe_core::{Config, Counters, Reason, Report};
 
 use super::events::Events;
@@ -8,7 +9,7 @@ use super::known::KnownOptions;
 use super::quantities::Quantities;
 use super::result::ReplayResult;
 use crate::log::{Format, Log, Unit};
-use crate::rounding::plus_minus;
+use crate::rounding::{own_digits, plus_minus};
 
 /// Plausible static coefficients on ice; a value outside them suggests a wrong unit or weight.
 const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
@@ -34,6 +35,22 @@ pub fn doubts(
     let instead = given::instead(log, config, known);
     let none = no_force(log, config, report).or_else(|| cut_off(log, config, report));
     none.into_iter().chain(instead).chain(doubts).collect()
+}
+
+/// Why there are no events: no usable force, or no slip that the noise would not hide.
+pub(super) fn why_no_event(result: &ReplayResult) -> String {
+    let log = &result.log;
+    if has_no_force(log.samples, log.rejected, log.saturated) {
+        return "no sample of this log can be used".to_string();
+    }
+    let least_n = result.noise_n.map(|noise_n| f64::from(FIRST_DROP) * noise_n);
+    let hidden = least_n.map_or_else(String::new, |least_n| {
+        format!(
+            "; one that falls by less than {} N, {FIRST_DROP} times the noise, hides in it",
+            own_digits(least_n)
+        )
+    });
+    format!("no slip was found in this log{hidden}")
 }
 
 /// Whether a record has samples and none of them is a force.

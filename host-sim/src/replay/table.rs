@@ -6,10 +6,9 @@ use std::io;
 use super::abridged::abridged;
 use super::budget::BudgetLine;
 use super::check::Check;
-use super::doubts::has_no_force;
+use super::doubts::why_no_event;
 use super::result::{
-    CoefficientSummary, EffectSummary, EventSummary, LogSummary, ParameterSummary, ReplayResult,
-    zero_sentence,
+    CoefficientSummary, EffectSummary, EventSummary, ParameterSummary, ReplayResult, zero_sentence,
 };
 use super::stretches::{NotUnderstood, SteadySummary, Stretches};
 use crate::error::printable_line;
@@ -38,7 +37,7 @@ pub fn write(out: &mut dyn io::Write, result: &ReplayResult, each_event: bool) -
     let _ = header(&mut head, result, force);
     let listed = each_event && !result.events.is_empty();
     let _ = match (result.events.is_empty(), listed) {
-        (true, _) => writeln!(head, "No events: {}.\n", why_none(&result.log)),
+        (true, _) => writeln!(head, "No events: {}.\n", why_no_event(result)),
         (false, true) => titles(&mut head),
         (false, false) => Ok(()),
     };
@@ -56,15 +55,6 @@ pub fn write(out: &mut dyn io::Write, result: &ReplayResult, each_event: bool) -
         let _ = part(&mut rest, result);
     }
     out.write_all(rest.as_bytes())
-}
-
-/// Why there are no events: no usable force, or no slip.
-fn why_none(log: &LogSummary) -> &'static str {
-    if has_no_force(log.samples, log.rejected, log.saturated) {
-        "no sample of this log can be used"
-    } else {
-        "no slip was found in this log"
-    }
 }
 
 fn cell(value: Option<f64>, decimals: usize) -> String {

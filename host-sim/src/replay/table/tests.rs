@@ -220,5 +220,9 @@ fn a_zero_that_may_have_moved_is_said() {
 
 #[test]
 fn no_events_is_said() {
-    assert!(text(&result(Vec::new())).unwrap().contains("\nNo events: no slip was found"));
+    let result = ReplayResult { noise_n: Some(2.0), ..result(Vec::new()) };
+    let line = "\nNo events: no slip was found in this log; one that falls by less than 16 N, 8 times the \
+                noise, hides in it.\n";
+    let text = text(&result).unwrap();
+    assert!(text.contains(line), "{text}");
 }
