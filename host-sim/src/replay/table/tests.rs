@@ -2,7 +2,7 @@ use super::*;
 use crate::replay::budget::{BudgetLine, BudgetShare};
 use crate::replay::events::Events;
 use crate::replay::quantities::Quantities;
-use crate::replay::result::{ChangeSummary, EstimateSummary, SCHEMA, TestSummary};
+use crate::replay::result::{ChangeSummary, EstimateSummary, LogSummary, SCHEMA, TestSummary};
 
 fn mean(mean: f64) -> CoefficientSummary {
     CoefficientSummary {
