@@ -147,8 +147,9 @@ impl<'a> Columns<'a> {
         })?
     }
 
-    /// Rejects numbers with a mark exactly where thousands are separated.
-    fn refuse_thousands(&self, column: usize) -> Result<(), InputError> {
+    /// Rejects numbers with a mark exactly where thousands are separated, unless one of the `numbers`
+    /// of the log has that mark elsewhere.
+    fn refuse_thousands(&self, column: usize, numbers: &[&str]) -> Result<(), InputError> {
         let marked = |cell: &&str| cell.contains(['.', ',']);
         let cells = || self.header.cells(column).filter(|cell| finite(cell.as_bytes()).is_some());
         let is_short = |cell: &str| cell.trim_start_matches('-').len() < 4;
@@ -158,7 +159,10 @@ impl<'a> Columns<'a> {
         if others.peek().is_none() || !others.all(is_short) || !grouped.all(is_thousand) {
             return Ok(());
         }
-        Err(thousand(first))
+        let is_decimal =
+            |mark| numbers.iter().any(|cell| cell.contains(mark) && !is_thousand(cell));
+        let mark = if first.contains(',') { ',' } else { '.' };
+        if is_decimal(mark) { Ok(()) } else { Err(thousand(first)) }
     }
 
     /// The decimal mark: as given, or the only one in the first rows.
@@ -182,7 +186,7 @@ impl<'a> Columns<'a> {
             .filter(|cell| number(cell.as_bytes(), Decimal::Any).is_some())
             .collect();
         for column in [Some(force), time].into_iter().flatten() {
-            self.refuse_thousands(column)?;
+            self.refuse_thousands(column, &numbers)?;
         }
         let with = |mark: char| numbers.iter().find(|cell| cell.contains(mark));
         match (with('.'), with(',')) {

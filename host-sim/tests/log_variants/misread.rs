@@ -57,6 +57,15 @@ pub fn numbers() -> Vec<Form> {
             Refused(&["among numbers without a mark", "without marks between the thousands"]),
         ),
         form(
+            "three decimals beside whole numbers, times with more",
+            table("time_s;force_n\n", |t, f| {
+                let coarse = (200.0 * f).round() / 200.0;
+                let exact = format!("{coarse:.3}");
+                format!("{t:.5};{}", exact.strip_suffix(".000").unwrap_or(&exact))
+            }),
+            Same,
+        ),
+        form(
             "thousands in late rows",
             table("time_ms;force_n\n", |t, f| {
                 let late = if t < 10.0 { 50.0 } else { f };
