@@ -119,7 +119,7 @@ impl Drift {
         let (mut moved, mut friction) = (0.0_f32, Friction::default());
         // The longest first: what friction explains in a mean over many events it also explains in
         // one over few.
-        for (span, length) in self.spans.iter_mut().zip(SPANS).rev() {
+        for (span, &length) in self.spans.iter_mut().rev().zip(SPANS.iter().rev()) {
             span.take(event, taken, length);
             if taken > length && self.count > 0.0 {
                 let lag = LEARNING + 1.5 * length - 0.5;
