@@ -114,7 +114,7 @@ fn two_cycles() -> Script {
 }
 
 /// Only a part of the contact slips, by a tenth of the usual drop or more. Such a slip is reported
-/// once there is a stick line; before that, low in the usual range, it could be flop.
+/// in the upper half of the usual range; half-way up it could be flop.
 #[test]
 fn partial_slips() {
     for drop_n in [60.0, 170.0] {
@@ -127,11 +127,8 @@ fn partial_slips() {
                 .concat(),
         );
     }
-    let low = ["43 onset", "46 restick 42 44"];
     let first = Script::noisy(2.0).stick().slip().line(200.0, 20.0, 10);
-    first.push([340.0, 320.0]).line(340.0, 20.0, 22).becomes(&[&THREE[..2], &low].concat());
-    let first = Script::noisy(2.0).stick().slip().line(200.0, 20.0, 4);
-    first.push([220.0, 200.0]).line(220.0, 20.0, 22).becomes(&THREE[..2]);
+    first.push([340.0, 320.0]).line(340.0, 20.0, 22).becomes(&THREE[..2]);
 }
 
 /// A re-stick requires that the force stays below the old line; if the force returns, the slip is
@@ -294,9 +291,7 @@ fn steps() {
         let first = Script::noisy(2.0).stick().slip();
         let stick = first.line(200.0, 20.0, 12).line(440.0 + height_n, 20.0, 18);
         let script = stick.push([640.0 + height_n, 370.0, 180.0]).line(200.0, 20.0, 10);
-        // A fall far below the line is a slip.
-        let fall: &[&str] = if height_n < -20.0 { &["45 onset", "46 restick 44 45"] } else { &[] };
-        script.becomes(&[&THREE[..2], fall, &THREE[2..4]].concat());
+        script.becomes(&THREE[..4]);
     }
 }
 

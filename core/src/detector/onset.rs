@@ -16,14 +16,16 @@ pub const FIRST_DROP: f32 = 8.0;
 /// Least drop of a slip once the usual drop is known, or without a line, standard deviations of the
 /// noise: as [`OFF_LINE`].
 const LEAST_DROP: f32 = 6.0;
-/// Least drop of a slip from a stick line, parts of the usual drop: a part of the contact may slip
-/// alone. Tuned: a higher value misses partial slips, a lower one takes ripple for them.
+/// Least drop of a slip that starts from a stick line in the upper half of the usual range, parts of
+/// the usual drop: a part of the contact may slip alone. Tuned: a higher value misses partial slips,
+/// a lower one takes ripple for them.
 const LEAST_PART: f32 = 0.05;
-/// Least drop of a slip in the upper half without a line, parts of the usual drop: one sample that
-/// is too high would feign a smaller drop. Tuned: with 0.35 one in 300 of small slips after rests of
-/// two samples is missed (`tests/detection.rs`), with 0.1 fits of slips every eight to ten samples
-/// get worse.
-const LEAST_PART_BRIEF: f32 = 0.2;
+/// Least drop of a slip in the upper half without a line, where one sample that is too high would
+/// feign a smaller drop, and in the lower half from a line, soon after another slip; parts of the
+/// usual drop. Tuned: with 0.35 one in 300 of small slips after rests of two samples is missed
+/// (`tests/detection.rs`), with 0.1 fits of slips every eight to ten samples get worse, and a real
+/// recording has one fall more that is no slip.
+const LEAST_PART_CLEAR: f32 = 0.2;
 /// Least drop of a slip that starts in the lower half of the usual range without a line, or where
 /// cables flop, which begins there, parts of the usual drop. Tuned: a lower value takes flop for
 /// slips.
@@ -64,9 +66,10 @@ impl Detector {
             };
         }
         let is_high = stick.highest.force_n > self.middle_n;
-        let part = match has_line {
-            true if is_high || !self.flops() => LEAST_PART,
-            false if is_high => LEAST_PART_BRIEF,
+        let part = match (has_line, is_high) {
+            (true, true) => LEAST_PART,
+            (false, true) => LEAST_PART_CLEAR,
+            (true, false) if !self.flops() => LEAST_PART_CLEAR,
             _ => LEAST_PART_LOW,
         };
         larger(LEAST_DROP * std, part * usual)
