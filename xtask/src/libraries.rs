@@ -101,7 +101,8 @@ fn unpack() -> Result<PathBuf> {
     for name in PACKAGES.map(folder) {
         remove(&packages.join(&name))?;
         let mut tar = Command::new("tar");
-        tar.arg("-xzf").arg(packages.join(format!("{name}.crate"))).arg("-C").arg(&packages);
+        // As new: packages have a date of their own, by which an older build would seem to be of them.
+        tar.arg("-xzmf").arg(packages.join(format!("{name}.crate"))).arg("-C").arg(&packages);
         run(&mut tar)?;
     }
     let members = PACKAGES.map(folder).map(Value::String).to_vec();
