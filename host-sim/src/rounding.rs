@@ -47,6 +47,13 @@ pub fn plus_minus(value: f64, std: f64) -> String {
     format!("{value:.decimals$} ± {std:.decimals$}")
 }
 
+/// A value with its uncertainty as by [`plus_minus`], or `± ?` where that is not known.
+#[must_use]
+pub fn plus_minus_known(value: f64, std: Option<f64>) -> String {
+    let unknown = || format!("{value:.*} ± ?", decimals(value));
+    std.map_or_else(unknown, |std| plus_minus(value, std))
+}
+
 /// An uncertainty with two significant digits.
 #[must_use]
 pub fn own_digits(std: f64) -> String {

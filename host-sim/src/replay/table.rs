@@ -13,7 +13,7 @@ use super::result::{
 use super::stretches::{NotUnderstood, SteadySummary, Stretches};
 use crate::error::printable_line;
 use crate::rounding::{
-    self, LEAST, counted, decimals, digits, own_digits, part_of, plus_minus, significant,
+    self, LEAST, counted, decimals, digits, own_digits, part_of, plus_minus_known, significant,
 };
 
 /// The result as text: events, coefficients with their uncertainty, then remarks.
@@ -243,11 +243,7 @@ fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
             writeln!(out, "{name:<14}unknown{}", unit.find(" from").map_or("", |at| &unit[at..]))?;
             continue;
         };
-        let value = match std {
-            Some(std) => plus_minus(value, std),
-            None => format!("{value:.*} ± ?", decimals(value)),
-        };
-        writeln!(out, "{name:<14}{value} {unit}")?;
+        writeln!(out, "{name:<14}{} {unit}", plus_minus_known(value, std))?;
     }
     writeln!(out)
 }

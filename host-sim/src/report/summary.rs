@@ -7,7 +7,7 @@ use crate::replay::abridged::abridged;
 use crate::replay::check::Check;
 use crate::replay::result::{CoefficientSummary, ReplayResult, zero_sentence};
 use crate::replay::stretches::{NotUnderstood, SteadySummary};
-use crate::rounding::{LEAST, decimals, own_digits, part_of, plus_minus};
+use crate::rounding::{LEAST, own_digits, part_of, plus_minus_known};
 
 /// Both coefficients in large type, then all other numbers.
 pub(super) fn summary(result: &ReplayResult) -> String {
@@ -153,8 +153,7 @@ fn derived(result: &ReplayResult) -> Vec<Fact> {
 
 fn with_std(value: Option<f64>, std: Option<f64>, unit: &str) -> String {
     let Some(value) = value else { return "–".into() };
-    let unknown = || format!("{value:.*} ± ?", decimals(value));
-    let text = std.map_or_else(unknown, |std| plus_minus(value, std)).replace('-', "−");
+    let text = plus_minus_known(value, std).replace('-', "−");
     // No line begins with the unit.
     format!("{text}\u{a0}{unit}").trim_end().to_string()
 }
