@@ -4,7 +4,7 @@
 use floe::bench::matching::Detection;
 use floe::sim::terms::{Sag, Variation};
 use floe::sim::{Measurement, Scene};
-use floe_core::{Config, Event, InputStd, Pipeline};
+use floe_core::{Config, Event, InputStd};
 use floe_tests::normal::Normal;
 use floe_tests::saw::{Slip, saw};
 use floe_tests::score::run;
@@ -104,21 +104,12 @@ fn small_slips_after_brief_rests_are_found() {
     assert!(found.false_alarms == 0, "{found:?}");
 }
 
-/// Events of a block of 630 N.
-fn events(forces_n: &[f64]) -> Vec<Event> {
-    let config = Config { weight_n: 630.0, std: InputStd::EXACT, ..Config::default() };
-    let mut pipeline = Pipeline::new(&config).expect("the configuration is valid");
-    let mut events: Vec<Event> =
-        feed::in_a_row(forces_n).filter_map(|sample| pipeline.step(sample).event).collect();
-    events.extend(std::iter::from_fn(|| pipeline.finish()));
-    events
-}
-
 /// A part of the contact slips again soon after a slip, at a fraction of the force before it: such
 /// slips are found with their own coefficients.
 #[test]
 fn a_part_that_slips_again_is_found() {
     const RATE: f64 = 22.5;
+    let config = Config { weight_n: 630.0, std: InputStd::EXACT, ..Config::default() };
     for (gap, part) in [(6.0, 0.3), (6.0, 0.45), (12.0, 0.3), (12.0, 0.45)] {
         let (mut again, mut found, mut others) = (0, 0, 0);
         for seed in 1..=8 {
@@ -136,7 +127,7 @@ fn a_part_that_slips_again_is_found() {
             }
             let (mut forces_n, onsets) = saw(&slips, RATE, 20.0 + normal.sample());
             forces_n.iter_mut().for_each(|it| *it += 2.0 * normal.sample());
-            let events = events(&forces_n);
+            let events = feed::replay(&config, feed::in_a_row(&forces_n)).events;
             let is_at = |event: &Event, onset: f64| {
                 (f64::from(event.onset.index) + f64::from(event.onset.fraction) - onset).abs() < 1.0
             };
