@@ -139,8 +139,12 @@ impl CycleTracker {
         let periods = slip.limit - cycle.onset;
         let folded =
             learnt.knows_omega() && RootStiffnessRatio::new(&site, rate, swing).is_folded(periods);
-        let (rate, drop) = ((cycle.rate, of_rate), (cycle.half_drop_n, of_drop));
         let is_fast = periods < FAST;
+        // Among fast slips by the noise alone: a cable that wanders widens the errors, and slips all
+        // the same. A slow swing of the force bends its lines.
+        let wander = if is_fast { slip.wander.line_excess + slip.wander.unsure } else { 0.0 };
+        let part = 1.0 / (1.0 + wander);
+        let (rate, drop) = ((cycle.rate, part * of_rate), (cycle.half_drop_n, part * of_drop));
         let own = RootStiffnessRatio::new(&site, rate, (cycle.inverse_omega(), of_swing));
         let agrees_with_winch = own.is_one();
         // A smooth oscillation of the force can be fitted as slips as well, but without a sample
