@@ -273,7 +273,7 @@ impl Pipeline {
         if let Some(held) = self.spikes.finish() {
             self.good(held, &mut step);
         }
-        if step.event.is_none()
+        while step.event.is_none()
             && let Some(block) = self.decimator.finish()
         {
             self.block(block, &mut step);

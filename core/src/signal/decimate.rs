@@ -3,7 +3,11 @@
 //! A slip lasts a tenth of a second to a few seconds; at 2000 Hz that is thousands of samples, with
 //! hardly more information than their means over a few milliseconds. Above [`FASTEST_HZ`] the
 //! samples of equal blocks of indices are averaged; a block with fewer than half its samples is
-//! missing. Up to that rate a sample is a block and nothing is computed. Delay: one block.
+//! missing. Up to that rate a sample is a block and nothing is computed. Delay: two blocks.
+//!
+//! The mean over a block of `f` samples exceeds the force in its middle by `(f² − 1)/24 f²` of the
+//! force's second derivative, per block squared, which makes a slip look slower (by .1 % at 250 Hz,
+//! seven standard deviations of a long test). The blocks' second difference takes that off.
 
 use core::num::NonZeroU32;
 
@@ -20,6 +24,10 @@ pub(crate) struct Decimator {
     block: u32,
     mean_n: f32,
     count: u32,
+    /// The last two complete blocks, the newest last.
+    last: [Option<ForcePoint>; 2],
+    /// What a block's mean exceeds the force in its middle by, parts of the second difference.
+    excess: f32,
 }
 
 impl Decimator {
@@ -28,7 +36,9 @@ impl Decimator {
     pub(crate) fn new(rate_hz: f32) -> Self {
         let factor = -math::floor(-rate_hz / FASTEST_HZ) as u32;
         let factor = NonZeroU32::new(factor).unwrap_or(NonZeroU32::MIN);
-        Self { factor, block: 0, mean_n: 0.0, count: 0 }
+        let blocks = factor.get() as f32;
+        let excess = (1.0 - 1.0 / (blocks * blocks)) / 24.0;
+        Self { factor, block: 0, mean_n: 0.0, count: 0, last: [None; 2], excess }
     }
 
     /// Samples per block.
@@ -50,7 +60,7 @@ impl Decimator {
     }
 
     /// Takes a good sample with an index past all earlier ones; gives a block, with
-    /// the block's number as its index, when one is complete.
+    /// the block's number as its index, when the one after it is complete.
     #[inline]
     pub(crate) fn step(&mut self, sample: ForcePoint) -> Option<ForcePoint> {
         if self.averages() { self.average(sample) } else { Some(sample) }
@@ -59,21 +69,49 @@ impl Decimator {
     fn average(&mut self, sample: ForcePoint) -> Option<ForcePoint> {
         let block = self.block(sample.index);
         let place = sample.index % self.factor;
-        let complete = if block == self.block { None } else { self.finish() };
+        let complete = if block == self.block { None } else { self.end() };
         self.block = block;
         self.count += 1;
         self.mean_n += (sample.force_n - self.mean_n) / self.count as f32;
         // One block a step: if the block before has just been completed, this one, whose only
         // sample is its last, waits for the next step.
-        if place + 1 == self.factor.get() && complete.is_none() { self.finish() } else { complete }
+        let ended = if place + 1 == self.factor.get() && complete.is_none() {
+            self.end()
+        } else {
+            complete
+        };
+        self.sharpen(ended?)
     }
 
     /// Ends the block under way; `None` if it holds fewer than half its samples.
-    pub(crate) fn finish(&mut self) -> Option<ForcePoint> {
+    fn end(&mut self) -> Option<ForcePoint> {
         let block = ForcePoint { index: self.block, force_n: self.mean_n };
         let enough = self.count * 2 >= self.factor.get() && self.count > 0;
         (self.count, self.mean_n) = (0, 0.0);
         enough.then_some(block)
+    }
+
+    /// Takes a complete block. Gives the one before, as the force in its middle if it has both
+    /// neighbours.
+    fn sharpen(&mut self, next: ForcePoint) -> Option<ForcePoint> {
+        let [before, this] = self.last;
+        self.last = [this, Some(next)];
+        let mut this = this?;
+        if let Some(before) = before
+            && next.index - before.index == 2
+        {
+            let bend_n = before.force_n - 2.0 * this.force_n + next.force_n;
+            this.force_n -= self.excess * bend_n;
+        }
+        Some(this)
+    }
+
+    /// The blocks that are left at the end, one a call, until `None`.
+    pub(crate) fn finish(&mut self) -> Option<ForcePoint> {
+        match self.end() {
+            Some(block) => self.sharpen(block).or_else(|| self.last[1].take()),
+            None => self.last[1].take(),
+        }
     }
 
     /// A moment in blocks, as a moment in samples: a block's mean belongs to the middle
@@ -112,9 +150,9 @@ mod tests {
     #[test]
     fn a_block_is_the_line_at_its_middle() {
         let mut d = Decimator::new(512.0);
-        let blocks: [Option<ForcePoint>; 9] = core::array::from_fn(|i| d.step(sample(i as u32)));
+        let blocks: [Option<ForcePoint>; 13] = core::array::from_fn(|i| d.step(sample(i as u32)));
         assert_eq!(blocks.iter().flatten().count(), 2);
-        let block = blocks[7].unwrap();
+        let block = blocks[11].unwrap();
         let middle = d.moment(SampleTime { index: block.index, fraction: 0.0 });
         assert!((block.force_n - (100.0 + middle.index as f32 + middle.fraction)).abs() < 1e-4);
     }
@@ -125,7 +163,28 @@ mod tests {
         assert_eq!(d.step(sample(0)), None);
         // Block 0 has one of four samples, block 1 two, the last of which ends it.
         assert_eq!(d.step(sample(6)), None);
-        assert_eq!(d.step(sample(7)).map(|block| block.index), Some(1));
+        assert_eq!(d.step(sample(7)), None);
+        assert_eq!(d.finish().map(|block| block.index), Some(1));
         assert_eq!(d.finish(), None);
+    }
+
+    /// A swing of 42 blocks, as that of DFF8-13 at 128 Hz: the blocks are the force in their middles.
+    #[test]
+    fn a_block_is_a_swing_at_its_middle() {
+        let mut d = Decimator::new(1024.0);
+        let force_n = |at: f32| 500.0 + 300.0 * (0.15 * at / 8.0).sin();
+        let mut worst_n = 0.0_f32;
+        for index in 0..800 {
+            let Some(block) = d.step(ForcePoint { index, force_n: force_n(index as f32) }) else {
+                continue;
+            };
+            if block.index > 0 {
+                let middle = d.moment(SampleTime { index: block.index, fraction: 0.0 });
+                let middle = middle.index as f32 + middle.fraction;
+                worst_n = worst_n.max((block.force_n - force_n(middle)).abs());
+            }
+        }
+        // The mean alone is off by up to .28 N.
+        assert!(worst_n < 2e-3, "{worst_n}");
     }
 }
