@@ -6,6 +6,7 @@ use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured};
 use crate::cycle::expectations::{Expectations, is_strained, own_residuals};
 use crate::cycle::slip_record::{SURE, UNSURE};
 use crate::effect::Effect;
+use crate::effects::corner::CornerEstimator;
 use crate::effects::mass_change::Verdict;
 use crate::effects::scatter::SlipScatter;
 use crate::event::Reason;
@@ -131,6 +132,9 @@ impl CycleFit {
         let Measured { posterior, verdict, .. } = &self.measured;
         // A slip of two samples holds no information on its corners.
         let shows = posterior.is_resolved() && fit.shape.slide_time() > CLEAR;
+        if !shows {
+            learnt.corner.update(CornerEstimator::pass_over);
+        }
         let asked =
             *verdict == Verdict::Same && self.strain == Strain::None && shows && learnt.asks();
         *stage = if asked { FitStage::Alone(Pass::at(*fit.cycle())) } else { FitStage::Done };

@@ -7,6 +7,7 @@
 
 #![allow(clippy::needless_range_loop, reason = "an index is that of rows and columns alike")]
 
+mod due;
 mod score;
 
 use crate::effect::Parameter;
@@ -44,12 +45,10 @@ pub(crate) struct CornerEstimator {
     variances: [f32; 2],
     /// Number of events that could be tested, whether they were or not.
     events: u32,
+    /// Number of the last events in a row that could not.
+    untested: u8,
 }
 
-/// Number of first events tested without any sign of a round corner; a test takes two passes.
-const FIRST: u32 = 12;
-/// After those, one event in this number is tested.
-const SELDOM: u32 = 4;
 /// Part of the sums kept with every tested event: the same as for quantities that events share.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
 /// Number of events up to which no parameter is significant; it may only widen.
@@ -125,14 +124,6 @@ impl CornerEstimator {
     pub(crate) fn creep_n(&self, lacking_n: f32) -> f32 {
         let Corner { missing_n, range_n, .. } = self.corner;
         if missing_n > lacking_n { range_n * math::ln(missing_n / lacking_n) } else { 0.0 }
-    }
-
-    /// Is the next event to be tested? Without any sign of a round corner only the first ones and
-    /// one in [`SELDOM`] are.
-    pub(crate) fn is_due(&mut self, used: &Corner) -> bool {
-        self.events = self.events.wrapping_add(1);
-        let is_sharp = used.is_sharp() && self.possible.iter().all(|&v| v <= 0.0);
-        !is_sharp || self.events <= FIRST || self.events.is_multiple_of(SELDOM)
     }
 
     /// Adds an event's score, its unknowns free; returns the correction of its forces. `other_n2` is the square of
