@@ -19,7 +19,6 @@ const MOST_SAMPLES: usize = 32;
 impl CycleTracker {
     /// First estimate of `mu_s` when a slip begins, from the stick line, with the onset anywhere in
     /// the last two periods.
-    #[must_use]
     pub(crate) fn onset(&self, detector: &Detector) -> Option<Provisional> {
         let (stick, now) = (detector.stick(), detector.last());
         let line = stick.line_from(now.index);

@@ -12,7 +12,6 @@ use crate::effects::stiffening;
 
 impl CycleTracker {
     /// The effects found in the events, except changes of level and drifts.
-    #[must_use]
     pub(crate) fn found(&self) -> Effects {
         let Expectations { corner, damping, onset, scatter, rate, rate_change, .. } = &self.learnt;
         let sags = self.learnt.sags();
@@ -28,7 +27,6 @@ impl CycleTracker {
     }
 
     /// The parameters of an effect that was found, as the events determine them.
-    #[must_use]
     pub(crate) fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         match effect {
             Effect::Corner => {

@@ -105,7 +105,6 @@ pub(crate) struct CycleTracker {
 
 impl CycleTracker {
     /// Before the first event.
-    #[must_use]
     // In one piece: field by field, where it is called, it takes some hundred bytes of flash more.
     #[inline(never)]
     pub(crate) fn new(site: Site) -> Self {
@@ -162,13 +161,11 @@ impl CycleTracker {
     }
 
     /// Is no step left to do?
-    #[must_use]
     pub(crate) fn is_idle(&self) -> bool {
         self.finishing.is_none() && self.ended.is_none()
     }
 
     /// Is there no room for the end of another stick line?
-    #[must_use]
     pub(crate) fn is_full(&self) -> bool {
         self.ended.is_some()
     }

@@ -12,13 +12,11 @@ use crate::sample::{periods_between, since};
 
 impl Detector {
     /// Colored noise: how the force departs from a straight stick line beyond white noise.
-    #[must_use]
     pub(crate) fn wander(&self) -> ColoredNoise {
         if self.effects.has(Effect::Ripple) { self.colored() } else { ColoredNoise::NONE }
     }
 
     /// Do all rests bend the same way?
-    #[must_use]
     pub(crate) fn bends(&self) -> bool {
         self.colored().bends
     }
@@ -29,14 +27,12 @@ impl Detector {
 
     /// Common weight of all samples from the lowest one to the newest: the flop profile's at the
     /// age of their middle, which is negative, before the re-stick.
-    #[must_use]
     pub(crate) fn rest_weight(&self) -> f32 {
         let age = -0.5 * since(self.lowest.index, self.last.index);
         self.profile.get().map_or(1.0, |profile| 1.0 / profile.variance(age))
     }
 
     /// Which of the two noise effects, flop and ripple, the recent rests show.
-    #[must_use]
     pub(crate) fn found(&self) -> Effects {
         Effects::NONE
             .with(Effect::Flop, self.flops())
@@ -44,13 +40,11 @@ impl Detector {
     }
 
     /// Estimate of the flop from the recent rests.
-    #[must_use]
     pub(crate) fn flop(&self) -> Option<Parameter> {
         self.profile.get().map(FlopProfile::parameter)
     }
 
     /// Estimate of the ripple from the recent rests.
-    #[must_use]
     pub(crate) fn ripple(&self) -> Option<Parameter> {
         self.ripple.read(Ripple::parameter)
     }

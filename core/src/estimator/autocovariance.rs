@@ -70,7 +70,6 @@ impl Correlation {
     /// from every covariance. So, with the observed correlations,
     /// `I = (1 + 2 Σ ρ_k) / (1 − 2 (K − Σ ρ_k) / n)`, and the variance of a value is
     /// `(n − 1) / (n − I)` times what it would be for independent values.
-    #[must_use]
     pub(crate) fn inflation(&self, mean: DoubleSingle, variance: f32) -> f32 {
         if variance <= 0.0 {
             return 1.0;

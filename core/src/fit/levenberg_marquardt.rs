@@ -83,7 +83,6 @@ impl Pass {
 
 impl Fitting {
     /// Starts from a guess.
-    #[must_use]
     pub(crate) fn new(guess: &CycleParams) -> Self {
         let cycle = limited(*guess);
         // An infinite cost, so that the guess is accepted whatever it costs.
@@ -94,7 +93,6 @@ impl Fitting {
 
     /// Starts from a guess, with at most `most_steps` steps and this tolerance, as a part of the
     /// noise variance.
-    #[must_use]
     pub(crate) fn brief(guess: &CycleParams, most_steps: u8, settled: f32) -> Self {
         Self { steps: MOST_STEPS.saturating_sub(most_steps), settled, ..Self::new(guess) }
     }
@@ -226,7 +224,6 @@ mod tests {
 
     impl Data<'_> {
         /// Fits from a guess to convergence, see [`Fitting`].
-        #[must_use]
         pub(crate) fn fit(&self, guess: &CycleParams) -> Option<Fit> {
             let mut fitting = Fitting::new(guess);
             loop {

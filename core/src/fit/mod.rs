@@ -80,7 +80,6 @@ const SWING: Gradient = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 impl Fit {
     /// The unknowns.
-    #[must_use]
     pub(crate) fn cycle(&self) -> &CycleParams {
         self.shape.cycle()
     }
@@ -127,7 +126,6 @@ impl Fit {
     /// The forces without the prior of the loading rate.
     ///
     /// `None` when the event alone does not determine them.
-    #[must_use]
     pub(crate) fn forces_alone(&self, rate: Prior, noise_n2: f32) -> Option<Forces> {
         let Without { tied, gain } = self.without(&RATE, rate)?;
         let [_, _, static_n2, .., dynamic_n2] = self.variances;

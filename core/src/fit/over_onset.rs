@@ -62,7 +62,6 @@ pub(crate) struct OverOnset {
 impl OverOnset {
     /// Begins the average for a slip that its best fit does not resolve, with the next slip
     /// `periods` later; else `None`.
-    #[must_use]
     pub(crate) fn new(best: &Fit, knows_omega: bool, noise_n2: f32, periods: f32) -> Option<Self> {
         let fall = best.shape.fall_time();
         let clear = knows_omega && !is_at_edge(&best.shape, noise_n2);
@@ -98,7 +97,6 @@ impl OverOnset {
     }
 
     /// Is the onset undetermined within a period to either side?
-    #[must_use]
     pub(crate) fn is_open(&self) -> bool {
         self.is_open
     }

@@ -31,14 +31,12 @@ pub(crate) struct Posterior {
 
 impl Posterior {
     /// Variances of `Fs` and of `Fp`, N².
-    #[must_use]
     pub(crate) fn forces_n2(&self) -> (f32, f32) {
         let [_, _, static_n2, .., dynamic_n2] = self.variances;
         (static_n2, dynamic_n2)
     }
 
     /// Variance of the swing, periods².
-    #[must_use]
     pub(crate) fn swing_variance(&self) -> f32 {
         let [.., swing, _, _] = self.variances;
         swing
@@ -52,7 +50,6 @@ impl Posterior {
     }
 
     /// Is the slip resolved: long enough for the samples, with a known swing?
-    #[must_use]
     #[inline(never)]
     pub(crate) fn is_resolved(&self) -> bool {
         let most = SWING_KNOWN * self.cycle.inverse_omega();
@@ -62,7 +59,6 @@ impl Posterior {
     /// Does the slip determine the swing well enough for the next events? `variance` is that of its
     /// swing without the prior. In a slip of less than two periods one sample leaves an error of
     /// the swing that is not normal and does not average out over such events.
-    #[must_use]
     pub(crate) fn determines_swing(&self, variance: f32) -> bool {
         // Relative standard deviation of a well-known swing.
         const WELL: f32 = 0.08;
@@ -100,7 +96,6 @@ impl Posterior {
     }
 
     /// The posterior at the best fit, for a noise of this variance, N².
-    #[must_use]
     pub(crate) fn at(fit: &Fit, noise_n2: f32) -> Self {
         let variances = fit.variances.map(|variance| noise_n2 * variance);
         let (fall_time, common_n2) = (fit.shape.fall_time(), (0.0, 0.0));

@@ -59,7 +59,6 @@ impl Residuals {
     ///
     /// `rough_n2` is a rough variance of the noise, for the first events; `rounding_n2` that of
     /// rounding to single precision.
-    #[must_use]
     pub(crate) fn is_outlier(
         &self,
         squares_n2: f32,
@@ -77,13 +76,11 @@ impl Residuals {
     }
 
     /// Number of pooled degrees of freedom.
-    #[must_use]
     pub(crate) fn free(&self) -> f32 {
         self.free
     }
 
     /// Variance of the noise, N²; `None` before the first event.
-    #[must_use]
     pub(crate) fn variance_n2(&self) -> Option<f32> {
         (self.free >= 1.0).then(|| self.squares_n2 / self.free)
     }
@@ -91,7 +88,6 @@ impl Residuals {
 
 /// The square of Birge's ratio, if significantly above 1: an event's own mean square residual over
 /// the noise variance; else 1. What the model lacks in one event it seldom lacks in the next.
-#[must_use]
 pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
     // Standard errors.
     const SIGNIFICANT: f32 = 4.0;

@@ -80,7 +80,6 @@ const ROUNDING: f32 = 4e-7;
 
 impl Noise {
     /// Before the first sample.
-    #[must_use]
     pub(crate) fn new() -> Self {
         Self {
             newest_n: f32::NAN,
@@ -159,7 +158,6 @@ impl Noise {
     ///
     /// Neither is below that of rounding to the resolution, nor below the rounding error of a force
     /// of this size. Infinite before enough samples.
-    #[must_use]
     pub(crate) fn std_n(&self, force_n: f32) -> (f32, f32) {
         let floor = larger(self.hidden_n, ROUNDING * force_n.abs());
         let innovation = self.innovation.over(MEDIAN);

@@ -44,7 +44,6 @@ impl DoubleSingle {
     }
 
     /// The nearest number of single precision.
-    #[must_use]
     pub(crate) fn rounded(self) -> f32 {
         self.high
     }

@@ -51,7 +51,6 @@ pub(crate) enum Judged {
 
 impl SpikeFilter {
     /// Before the first sample.
-    #[must_use]
     pub(crate) fn new() -> Self {
         Self {
             before: ForcePoint::default(),

@@ -37,7 +37,6 @@ impl Symmetric {
     /// Factors the matrix with its diagonal multiplied by one plus `damping`.
     ///
     /// `None` when it is singular to working precision.
-    #[must_use]
     pub(crate) fn factor(&self, damping: f32) -> Option<Factor> {
         Factor::new(self, damping)
     }
@@ -125,7 +124,6 @@ impl Normal {
     }
 
     /// Factors the matrix, see [`Symmetric::factor`].
-    #[must_use]
     pub(crate) fn factor(&self, damping: f32) -> Option<Factor> {
         self.matrix.factor(damping)
     }
@@ -179,7 +177,6 @@ impl Factor {
     }
 
     /// Solves `A x = right`.
-    #[must_use]
     pub(crate) fn solve(&self, right: &Gradient) -> Gradient {
         let mut x = *right;
         for i in 1..UNKNOWNS {
@@ -198,7 +195,6 @@ impl Factor {
 
     /// Variances of the unknowns, the diagonal of `A⁻¹`, in units of the variance of
     /// weight one.
-    #[must_use]
     pub(crate) fn variances(&self) -> Gradient {
         core::array::from_fn(|unknown| self.variance(unknown))
     }
@@ -228,14 +224,12 @@ impl Factor {
 }
 
 /// A gradient times a number.
-#[must_use]
 #[inline(never)]
 pub(crate) fn scaled(u: &Gradient, by: f32) -> Gradient {
     u.map(|entry| by * entry)
 }
 
 /// Scalar product.
-#[must_use]
 #[inline(never)]
 pub(crate) fn dot(u: &Gradient, v: &Gradient) -> f32 {
     u.iter().zip(v).fold(0.0, |sum, (a, b)| sum + a * b)

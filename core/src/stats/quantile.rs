@@ -25,7 +25,6 @@ const FEWEST: u32 = 8;
 
 impl Quantile {
     /// For a probability of a half or more.
-    #[must_use]
     pub(crate) const fn new(part: f32) -> Self {
         Self { value: 0.0, count: 0, largest: [0.0; FEWEST as usize / 2], part }
     }
@@ -69,7 +68,6 @@ impl Quantile {
     /// The quantile over a number, times a factor of caution; infinite until eight numbers were
     /// seen. An estimate from few numbers may be far too small: the factor is 2 at the eighth and
     /// falls to 1 at the fortieth.
-    #[must_use]
     #[inline(always)]
     pub(crate) fn over(&self, number: f32) -> f32 {
         if self.count >= SETTLED { self.value / number } else { self.early_over(number) }
@@ -85,7 +83,6 @@ impl Quantile {
     }
 
     /// The quantile so far; `None` until eight numbers were seen.
-    #[must_use]
     pub(crate) fn value(&self) -> Option<f32> {
         (self.count >= FEWEST).then_some(self.value)
     }
