@@ -12,7 +12,7 @@ use crate::num::math;
 pub const LAGS: usize = 24;
 
 /// Running sums of products of values `x_i` with `x_{i+k}`, relative to a reference.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Correlation {
     /// The first value: all others are kept relative to it.
     reference: f32,
@@ -89,19 +89,6 @@ impl Correlation {
         // Not below a half: the lags are at most a quarter of the values.
         let inflation = (1.0 + 2.0 * sum) / (1.0 - 2.0 * missing / count);
         inflation * (count - 1.0) / (count - math::smaller(inflation, 0.5 * count))
-    }
-}
-
-impl Default for Correlation {
-    fn default() -> Self {
-        Self {
-            reference: 0.0,
-            count: 0,
-            sum: DoubleSingle::ZERO,
-            first: [0.0; LAGS],
-            last: [0.0; LAGS],
-            products: [DoubleSingle::ZERO; LAGS],
-        }
     }
 }
 
