@@ -42,10 +42,12 @@ pub(super) fn sqrt(x: f32) -> f32 {
 #[cfg(any(test, target_arch = "arm"))]
 #[inline(always)]
 fn unusual_root(x: f32) -> f32 {
-    if x > 0.0 && x < f32::INFINITY {
-        small_root(x)
+    if x == 0.0 {
+        x
     } else if x < 0.0 {
         f32::NAN
+    } else if x < f32::INFINITY {
+        small_root(x)
     } else {
         x
     }
