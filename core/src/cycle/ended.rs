@@ -19,7 +19,12 @@ pub(super) enum Progress {
     /// The slip that ended the line is the pending one, its samples gathered.
     Gathered,
     /// The first answer on the pending slip is being computed.
-    Answering(FirstAnswer),
+    Answering {
+        priors: Priors,
+        fitting: Fitting,
+        /// Steps of the fit that are still allowed.
+        left: usize,
+    },
     /// The first answer is done (`None` without a fit); the event before does not have its lines
     /// yet.
     Answered(Option<Fit>),
@@ -30,15 +35,6 @@ pub(super) enum By {
     Slip(SeenSlip),
     /// A gap or the end of the test, at an index.
     Loss(u32),
-}
-
-/// A first answer under way.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FirstAnswer {
-    pub(super) priors: Priors,
-    pub(super) fitting: Fitting,
-    /// Steps of the fit that are still allowed.
-    pub(super) left: usize,
 }
 
 impl Ended {

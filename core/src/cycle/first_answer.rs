@@ -2,7 +2,7 @@
 //! the block rests again.
 
 use crate::cycle::cable::relax;
-use crate::cycle::ended::{FirstAnswer, Progress};
+use crate::cycle::ended::Progress;
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Work};
 use crate::detector::Detector;
@@ -41,12 +41,12 @@ impl CycleTracker {
         let fitting = slip.guess(&data(&priors, slip, knows_omega), knows_omega);
         let is_long = slip.samples().forces_n.len() > MOST_SAMPLES;
         let left = if is_long { 0 } else { FIRST_STEPS };
-        self.work = Work::Line(Progress::Answering(FirstAnswer { priors, fitting, left }));
+        self.work = Work::Line(Progress::Answering { priors, fitting, left });
     }
 
     /// One step of the fit for the first answer.
     pub(super) fn step_first(&mut self) {
-        let (Work::Line(Progress::Answering(FirstAnswer { priors, fitting, left })), Some(slip)) =
+        let (Work::Line(Progress::Answering { priors, fitting, left }), Some(slip)) =
             (&mut self.work, &self.pending)
         else {
             return;

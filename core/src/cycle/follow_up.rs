@@ -44,8 +44,8 @@ impl CycleTracker {
                 GUESSES + slip.samples().forces_n.len().min(GUESSED) * 5 / 2
             }
             (Progress::Gathered, _) => GUESS,
-            (Progress::Answering(answer), Some(slip)) => slip.pass(&answer.priors),
-            (Progress::Answering(_) | Progress::Answered(_), _) => {
+            (Progress::Answering { priors, .. }, Some(slip)) => slip.pass(priors),
+            (Progress::Answering { .. } | Progress::Answered(_), _) => {
                 // The test for an even fall looks at each sample of a long fall.
                 let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.slip.fall());
                 let is_bent = self.finishing.as_ref().is_some_and(|CycleFit { slip, .. }| {
@@ -62,7 +62,7 @@ impl CycleTracker {
         match &self.work {
             Work::Fit(_) => self.take_up(detector),
             Work::Line(Progress::Gathered) => self.begin_first(),
-            Work::Line(Progress::Answering(_)) => self.step_first(),
+            Work::Line(Progress::Answering { .. }) => self.step_first(),
             Work::Line(Progress::Answered(_)) => *first = self.give_lines(detector),
         }
     }
