@@ -9,7 +9,7 @@ use crate::stats::quantile::Quantile;
 ///
 /// The variance is their mean square over all degrees of freedom, without events that fit badly (an
 /// incomplete first slip, a fall that is no slip).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Residuals {
     squares_n2: f32,
     free: f32,
@@ -37,7 +37,7 @@ impl Residuals {
         let skew = 1.0 - 2.0 / (9.0 * math::larger(free, 1.0));
         // Limits outliers among the first events, so that the median recovers from them.
         let most_n2 = LIMIT * ROUGH * rough_n2;
-        self.median_n2.add(math::smaller(squares_n2 / (free * skew * skew * skew), most_n2));
+        self.median_n2.add(math::smaller(squares_n2 / (free * skew * skew * skew), most_n2), 0.5);
         let limit = LIMIT * self.usual_n2(rough_n2);
         if self.free > MEMORY {
             self.squares_n2 *= 0.5;
@@ -97,12 +97,6 @@ pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
         return 1.0;
     }
     1.0 + more * surely(more, SIGNIFICANT * math::sqrt(2.0 / free))
-}
-
-impl Default for Residuals {
-    fn default() -> Self {
-        Self { squares_n2: 0.0, free: 0.0, median_n2: Quantile::new(0.5) }
-    }
 }
 
 #[cfg(test)]

@@ -88,10 +88,10 @@ impl Noise {
             fitted_n: 0.0,
             fits: 0,
             repeats: false,
-            innovation: Quantile::new(0.5),
-            upper: Quantile::new(0.75),
-            time_asymmetry: TimeAsymmetry::new(),
-            second_difference: Quantile::new(0.5),
+            innovation: Quantile::default(),
+            upper: Quantile::default(),
+            time_asymmetry: TimeAsymmetry::default(),
+            second_difference: Quantile::default(),
             oscillation: WithoutOscillation::default(),
             row: [f32::NAN; 3],
         }
@@ -99,9 +99,9 @@ impl Noise {
 
     /// Takes an innovation, N, already divided by its standard deviation in units of a sample's.
     pub(crate) fn add_innovation(&mut self, innovation_n: f32) {
-        self.innovation.add(innovation_n.abs());
+        self.innovation.add(innovation_n.abs(), 0.5);
         if self.fits == 0 {
-            self.upper.add(innovation_n.abs());
+            self.upper.add(innovation_n.abs(), 0.75);
         }
     }
 
@@ -145,7 +145,7 @@ impl Noise {
         }
         let second = (c - 2.0 * d + e).abs();
         if !second.is_nan() {
-            self.second_difference.add(second);
+            self.second_difference.add(second, 0.5);
         }
         let outer = a - 2.0 * (b - c + d) + e;
         if !outer.is_nan() {

@@ -132,7 +132,7 @@ impl Pipeline {
             counters: Counters::default(),
             next: 0,
             last_hidden: None,
-            spikes: SpikeFilter::new(),
+            spikes: SpikeFilter::default(),
             decimator,
             block_root: math::sqrt(decimator.factor()),
             derivative: Central::new(config.rate_hz),
