@@ -64,7 +64,7 @@ impl CycleTracker {
     pub(super) fn learn_sag(&mut self, slip: &SlipRecord, posterior: &Posterior, stop: f32) {
         let (cycle, (static_n2, dynamic_n2)) = (&posterior.cycle, posterior.forces_n2());
         let rested = self.rested.take();
-        if !self.site.effects.has(Effect::Sag) || !cycle.is_taut() || !posterior.is_resolved() {
+        if !self.learnt.effects.has(Effect::Sag) || !cycle.is_taut() || !posterior.is_resolved() {
             return;
         }
         let restick_n2 = static_n2 + 4.0 * dynamic_n2;
@@ -94,7 +94,7 @@ impl CycleTracker {
         // A straight line through a rest goes through its mean force over time, `∫ F dy / ∫ dy`:
         // the midpoint of such lines is `Fp`, whatever the sag.
         let (sag_n, sag_n2) = if sags || slip.wander.bends { shift() } else { (0.0, 0.0) };
-        let stiffens = self.site.effects.has(Effect::Stiffening);
+        let stiffens = self.learnt.effects.has(Effect::Stiffening);
         let is_straight = slip.wander.level <= 0.0 && cycle.is_taut();
         if !is_straight {
             return (sag_n, sag_n2);

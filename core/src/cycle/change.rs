@@ -101,14 +101,14 @@ impl CycleTracker {
             }
             Verdict::Same => {
                 let (static_n, dynamic_n) = (posterior.cycle.static_n, posterior.cycle.dynamic_n());
-                let follows = self.site.effects.has(Effect::Level);
+                let follows = self.learnt.effects.has(Effect::Level);
                 let shift = follows.then(|| {
                     self.levels.update(|levels| levels.take(event.index, (static_n, dynamic_n)))
                 })??;
                 let first = (shift.event, event.onset);
-                let Expectations { mass, inverse_omega, .. } = &mut self.learnt;
+                let Expectations { effects, mass, inverse_omega, .. } = &mut self.learnt;
                 let before_n = shift.dynamic_before_n;
-                if self.site.effects.has(Effect::Mass) {
+                if effects.has(Effect::Mass) {
                     let tries = |mass: &mut Mass| mass.try_weight(inverse_omega, before_n);
                     if is_clear(posterior) && mass.update(tries) {
                         self.suspect = Some(first);

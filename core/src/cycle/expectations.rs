@@ -1,6 +1,5 @@
 //! Estimates from the events of a test so far, as expectations (priors) for the next one.
 
-use crate::coefficient::Site;
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::{Effect, Effects, Kept};
 use crate::effects::corner::CornerEstimator;
@@ -61,8 +60,8 @@ const LINE: u32 = 8;
 
 impl Expectations {
     /// Before the first event.
-    pub(crate) fn new(site: &Site) -> Self {
-        Self { effects: site.effects, momentum: site.momentum, ..Self::default() }
+    pub(crate) fn new(effects: Effects, momentum: f32) -> Self {
+        Self { effects, momentum, ..Self::default() }
     }
 
     /// Variance of the white noise, N²: from the fits so far, else the detector's; at least the

@@ -124,7 +124,6 @@ impl Pipeline {
             momentum: config.winch_m_per_s.map_or(f32::NAN, |w| w * config.mass_kg() * rate_hz),
             slope: math::sin_cos(config.slope_rad),
             rate_hz,
-            effects: config.effects,
         };
         Ok(Self {
             config: *config,
@@ -137,7 +136,7 @@ impl Pipeline {
             block_root: math::sqrt(decimator.factor()),
             derivative: Central::new(config.rate_hz),
             detector: Detector::new(rate_hz, config.effects),
-            cycles: CycleTracker::new(site),
+            cycles: CycleTracker::new(site, config.effects),
             mu_s: Estimator::default(),
             mu: Estimator::default(),
             drift: Kept::default(),
@@ -234,14 +233,7 @@ impl Pipeline {
             self.detector.stays_below(None);
         }
         let mut answers = Answers::default();
-        match transition {
-            None | Some(Transition::Onset | Transition::Cancelled) => {}
-            Some(Transition::Restick { peak, low }) => {
-                self.cycles.restick(&self.detector, (peak, low), self.last_hidden, &mut answers);
-            }
-            Some(Transition::Lost) => self.cycles.lose(&self.detector, &mut answers),
-        }
-        self.cycles.work(&self.detector, &mut answers);
+        self.cycles.follow(&self.detector, transition, self.last_hidden, &mut answers);
         step.provisional = answers.first;
         if let Some(finished) = answers.finished {
             self.count(finished, step);
