@@ -214,12 +214,7 @@ impl Detector {
         stick.broken = !flops;
         // Earlier samples, a spike perhaps, are not the highest of this line.
         stick.highest = ForcePoint { index: start, force_n: f32::NEG_INFINITY };
-        for past in start..self.last.index + 1 {
-            let Some(force_n) = self.window.get(past) else { continue };
-            if force_n > stick.highest.force_n {
-                stick.highest = ForcePoint { index: past, force_n };
-            }
-        }
+        self.look_back(start, self.last.index);
     }
 
     /// Does the cable still hang slack? Once its force has risen, the stick line starts.
