@@ -133,11 +133,6 @@ impl Expectations {
         Prior { mean: 0.0, weight: noise_n2 / (spread * spread) }
     }
 
-    /// Is the cable known to sag?
-    pub(crate) fn sags(&self) -> bool {
-        self.sag.read(Sag::parameter).is_some()
-    }
-
     /// Variances of `Fs` and `Fp`, N², due to the unknown time at which the rate changed by `b`:
     /// during the slip, or in the samples next to it that no line has.
     ///
@@ -261,21 +256,6 @@ impl Expectations {
             self.inverse_omega.add(value, variance);
         }
         self.mass.update(|mass| mass.learn(&evidence)).unwrap_or(verdict)
-    }
-
-    /// Time before an onset, periods, in which creep lowers the force by more than a fifth of the
-    /// noise's standard deviation.
-    pub(crate) fn creep_periods(&self) -> f32 {
-        const PART: f32 = 0.2;
-        if self.corner.read(CornerEstimator::missing_n) <= 0.0 {
-            return 0.0;
-        }
-        let known = self.rate.mean().zip(self.residuals.variance_n2());
-        let creep = |(rate, noise_n2)| {
-            let least_n = PART * math::sqrt(noise_n2);
-            self.corner.read(|corner| corner.creep_n(least_n)) / rate
-        };
-        known.map_or(0.0, creep)
     }
 
     /// Is the loading rate near the mean of the earlier events, as a steady winch gives it?

@@ -12,6 +12,7 @@
 
 mod cable;
 mod change;
+mod contradictions;
 mod cycle_fit;
 mod ended;
 mod expectations;

@@ -4,6 +4,7 @@ use core::ops::Range;
 
 use crate::cycle::expectations::Expectations;
 use crate::effect::Effect;
+use crate::effects::corner::CornerEstimator;
 use crate::effects::damping::{self, Damping};
 use crate::effects::onset;
 use crate::effects::score::Asked;
@@ -14,6 +15,7 @@ use crate::model::Shape;
 use crate::model::corner::Corner;
 use crate::noise::ripple::ColoredNoise;
 use crate::noise::sinusoid::Sinusoid;
+use crate::num::math;
 
 impl Expectations {
     /// Are there force terms to test for? False at compile time where none is compiled in.
@@ -45,6 +47,21 @@ impl Expectations {
         self.inverse_omega.translate(inverse_omega);
         self.rate_change.translate(rate_change);
         effect
+    }
+
+    /// Time before an onset, periods, in which creep lowers the force by more than a fifth of the
+    /// noise's standard deviation.
+    pub(crate) fn creep_periods(&self) -> f32 {
+        const PART: f32 = 0.2;
+        if self.corner.read(CornerEstimator::missing_n) <= 0.0 {
+            return 0.0;
+        }
+        let known = self.rate.mean().zip(self.residuals.variance_n2());
+        let creep = |(rate, noise_n2)| {
+            let least_n = PART * math::sqrt(noise_n2);
+            self.corner.read(|corner| corner.creep_n(least_n)) / rate
+        };
+        known.map_or(0.0, creep)
     }
 
     /// Learns from an event, if it `teaches`, whether the oscillation about its two lines is the

@@ -17,7 +17,6 @@ pub(crate) mod slip_residuals;
 pub(crate) use data::{Data, Priors, Samples};
 pub(crate) use levenberg_marquardt::Fitting;
 
-use crate::fit::correction::Correction;
 use crate::model::{CycleParams, Shape};
 use crate::stats::normal_equations::{Factor, Gradient, UNKNOWNS, dot};
 use crate::stats::prior::Prior;
@@ -57,17 +56,6 @@ pub(crate) struct Forces {
     pub static_n2: f32,
     /// Variance of `Fp`.
     pub dynamic_n2: f32,
-}
-
-impl Forces {
-    /// Applies a correction found after the fit.
-    pub(crate) fn apply(&mut self, correction: &Correction) {
-        let Correction { moved: [_, _, static_n, half_drop_n, ..], .. } = correction;
-        self.static_n += static_n;
-        self.dynamic_n += static_n - half_drop_n;
-        self.static_n2 += correction.static_n2;
-        self.dynamic_n2 += correction.dynamic_n2;
-    }
 }
 
 /// `Fs` as a combination of the unknowns.

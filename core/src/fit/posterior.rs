@@ -1,6 +1,5 @@
 //! Posterior of one event's unknowns: means and variances.
 
-use crate::fit::correction::Correction;
 use crate::fit::{Fit, Variances};
 use crate::model::CycleParams;
 
@@ -64,22 +63,6 @@ impl Posterior {
         const WELL: f32 = 0.08;
         let well = WELL * self.cycle.inverse_omega();
         self.is_resolved() && (self.fall_time > CLEAR || variance < well * well)
-    }
-
-    /// Applies a correction found after the fit.
-    pub(crate) fn apply(&mut self, correction: &Correction) {
-        let Correction {
-            moved: [onset, rate, static_n, half_drop_n, inverse_omega, rate_change],
-            ..
-        } = correction;
-        let c = &mut self.cycle;
-        c.onset += onset;
-        c.rate += rate;
-        c.static_n += static_n;
-        c.half_drop_n += half_drop_n;
-        c.omega = 1.0 / (c.inverse_omega() + inverse_omega);
-        c.rate_change += rate_change;
-        self.widen(correction.static_n2, correction.dynamic_n2);
     }
 
     /// Adds the uncertainty of a slip that may have begun anywhere within a period before and

@@ -9,7 +9,6 @@ use crate::effect::Effect;
 use crate::effects::mass_change::Verdict;
 use crate::effects::scatter::SlipScatter;
 use crate::event::Reason;
-use crate::fit::correction::Correction;
 use crate::fit::levenberg_marquardt::Pass;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::{CLEAR, Posterior};
@@ -168,14 +167,6 @@ impl Measured {
             forces.dynamic_n = self.posterior.cycle.dynamic_n() + off_n;
             forces.static_n2 *= at_onset * at_onset;
             forces.dynamic_n2 *= mean * mean;
-        }
-    }
-
-    /// Applies a correction found after the fit.
-    pub(crate) fn apply(&mut self, correction: &Correction) {
-        self.posterior.apply(correction);
-        if let Some(forces) = &mut self.alone {
-            forces.apply(correction);
         }
     }
 }

@@ -1,0 +1,57 @@
+//! Events that contradict the expectations: misfits, other rates, winches that stood.
+
+use crate::cycle::expectations::Expectations;
+use crate::cycle::refusal::{FAST, is_no_chance};
+use crate::cycle::slip_record::SlipRecord;
+use crate::effect::Kept;
+use crate::effects::mass_change::Mass;
+use crate::fit::rounding_n2;
+use crate::model::CycleParams;
+use crate::stats::fading_trend::FadingTrend;
+
+/// Number of consecutive events that contradict the expectations, after which these are dropped, the
+/// same as for a single quantity (`stats/fading_trend.rs`).
+const CHANGED: u8 = 3;
+/// Ratio of a swing to that by winch and weight, above which the winch may have stood while the
+/// cable hung slack: other troubles lower omega by up to an eighth.
+const SLOWER: f32 = 1.15;
+
+impl Expectations {
+    /// Are the event's residuals an outlier among those of the other events? The winch paused or
+    /// started, or the block hit something.
+    pub(crate) fn is_misfit(&self, slip: &SlipRecord, squares_n2: f32, free: f32) -> bool {
+        let least_n2 = (slip.noise_n2, rounding_n2(slip.peak.force_n));
+        self.residuals.is_outlier(squares_n2, free, least_n2)
+    }
+
+    /// Did the winch stand while the cable hung slack? The fit takes the longer time without force
+    /// for that of a slower block: its swing, with this variance, is far above that by winch and
+    /// weight. Asked until the swing is known, for then [`Slackness`] knows the usual time. A cell
+    /// that lags has the same effect, but on every event: the third in a row is believed. Slips
+    /// that look slow and follow each other fast, the next at the time `next`, may be aliases.
+    ///
+    /// [`Slackness`]: crate::cycle::refusal::Slackness
+    pub(crate) fn stood_slack(&mut self, cycle: &CycleParams, variance: f32, next: f32) -> bool {
+        if self.knows_omega() || cycle.is_taut() || next - cycle.onset < FAST {
+            return false;
+        }
+        let usual = SLOWER * self.swing_by_winch(cycle.rate);
+        let stood = is_no_chance((cycle.inverse_omega() - usual, variance));
+        self.stood = if stood { self.stood.saturating_add(1) } else { 0 };
+        stood && self.stood < CHANGED
+    }
+
+    /// Counts the events in a row that contradict the expectations: misfits, and events whose rate
+    /// is another, as after a winch that took long to come up to speed. From [`CHANGED`] of them on
+    /// the expectations no longer hold and are reset.
+    pub(crate) fn contradict(&mut self, contradicts: bool) {
+        self.contradictions = if contradicts { self.contradictions + 1 } else { 0 };
+        if self.contradictions == CHANGED {
+            self.contradictions = 0;
+            [self.rate, self.rate_change, self.inverse_omega] = [FadingTrend::default(); 3];
+            self.mass.update(Mass::forget);
+            self.corner = Kept::default();
+            self.sag = Kept::default();
+        }
+    }
+}
