@@ -16,7 +16,8 @@ pub const LAGS: usize = 24;
 pub(crate) struct Correlation {
     /// The first value: all others are kept relative to it.
     reference: f32,
-    count: u32,
+    /// Number of values.
+    pub(super) count: u32,
     sum: DoubleSingle,
     /// The first values, and the last ones, newest first; zero where there are fewer.
     first: [f32; LAGS],
