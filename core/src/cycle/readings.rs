@@ -12,6 +12,11 @@ impl CycleTracker {
         self.learnt.residuals.variance_n2().map(math::sqrt)
     }
 
+    /// Number of events so far, with or without coefficients.
+    pub(crate) fn events(&self) -> u32 {
+        self.count
+    }
+
     /// Periods before the onset in which creep bends the stick line.
     pub(crate) fn creep_periods(&self) -> f32 {
         self.learnt.creep_periods()

@@ -98,7 +98,6 @@ pub struct Pipeline {
     largest_n: f32,
     /// Relative standard deviation of the weight due to changes of the block, mean over the events.
     weight_std: f32,
-    events: u32,
     /// The newest change.
     change: Option<Change>,
     /// Onset of the newest event, unless a stretch without an event follows it; number of the
@@ -142,7 +141,6 @@ impl Pipeline {
             drift: Kept::default(),
             largest_n: 0.0,
             weight_std: 0.0,
-            events: 0,
             change: None,
             stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
             last_onset: None,
