@@ -1,8 +1,7 @@
-//! The end of a stick line, by a slip or a long gap, and the progress of the steps that follow it.
+//! The end of a stick line, by a slip or a long gap.
 
 use crate::cycle::slip_record::SeenSlip;
 use crate::detector::{Detector, Stick};
-use crate::fit::{Fit, Fitting, Priors};
 use crate::sample::{ForcePoint, since};
 
 /// The end of a stick line.
@@ -10,24 +9,6 @@ use crate::sample::{ForcePoint, since};
 pub(super) struct Ended {
     pub(super) stick: Stick,
     pub(super) by: By,
-}
-
-/// Progress of the steps that follow the end of a stick line.
-#[derive(Clone, Copy, Debug)]
-#[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
-pub(super) enum Progress {
-    /// The slip that ended the line is the pending one, its samples gathered.
-    Gathered,
-    /// The first answer on the pending slip is being computed.
-    Answering {
-        priors: Priors,
-        fitting: Fitting,
-        /// Steps of the fit that are still allowed.
-        left: usize,
-    },
-    /// The first answer is done (`None` without a fit); the event before does not have its lines
-    /// yet.
-    Answered(Option<Fit>),
 }
 
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,6 @@
 //! the block rests again.
 
 use crate::cycle::cable::relax;
-use crate::cycle::ended::Progress;
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Work};
 use crate::detector::Detector;
@@ -41,12 +40,12 @@ impl CycleTracker {
         let fitting = slip.guess(&data(&priors, slip, knows_omega), knows_omega);
         let is_long = slip.samples().forces_n.len() > MOST_SAMPLES;
         let left = if is_long { 0 } else { FIRST_STEPS };
-        self.work = Work::Line(Progress::Answering { priors, fitting, left });
+        self.work = Work::Answering { priors, fitting, left };
     }
 
     /// One step of the fit for the first answer.
     pub(super) fn step_first(&mut self) {
-        let (Work::Line(Progress::Answering { priors, fitting, left }), Some(slip)) =
+        let (Work::Answering { priors, fitting, left }, Some(slip)) =
             (&mut self.work, &self.pending)
         else {
             return;
@@ -54,7 +53,7 @@ impl CycleTracker {
         let step = fitting.step(&data(priors, slip, self.learnt.knows_omega()));
         *left = left.saturating_sub(1);
         if step.is_break() || *left == 0 {
-            self.work = Work::Line(Progress::Answered(step.break_value().flatten()));
+            self.work = Work::Answered(step.break_value().flatten());
         }
     }
 

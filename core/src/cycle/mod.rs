@@ -29,7 +29,7 @@ use core::ops::ControlFlow;
 
 use crate::coefficient::{Coefficient, Site};
 use crate::cycle::cycle_fit::{CycleFit, FitStage};
-use crate::cycle::ended::{Ended, Progress};
+use crate::cycle::ended::Ended;
 use crate::cycle::expectations::Expectations;
 use crate::cycle::refusal::{Recurrence, Slackness};
 use crate::cycle::slip_record::SlipRecord;
@@ -37,6 +37,7 @@ use crate::detector::{Detector, Transition};
 use crate::effect::{Effect, Effects, Kept};
 use crate::effects::level_shift::{Change, Levels};
 use crate::event::{Event, Provisional};
+use crate::fit::{Fit, Fitting, Priors};
 use crate::sample::SampleTime;
 
 /// A complete event.
@@ -66,7 +67,18 @@ impl From<Event> for Finished {
 #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
 enum Work {
     Fit(FitStage),
-    Line(Progress),
+    /// The slip that ended the line is the pending one, its samples gathered.
+    Gathered,
+    /// The first answer on the pending slip is being computed.
+    Answering {
+        priors: Priors,
+        fitting: Fitting,
+        /// Steps of the fit that are still allowed.
+        left: usize,
+    },
+    /// The first answer is done (`None` without a fit); the event before does not have its lines
+    /// yet.
+    Answered(Option<Fit>),
 }
 
 impl Default for Work {
