@@ -220,12 +220,8 @@ impl Pipeline {
     /// the step.
     fn follow(&mut self, transition: Option<Transition>, step: &mut Step) {
         // A cancelled fall does not end a constant force.
-        let highest = match transition {
-            Some(Transition::Restick { peak, .. }) => Some(peak),
-            Some(Transition::Lost) => Some(self.detector.ended().highest),
-            None | Some(Transition::Onset | Transition::Cancelled) => None,
-        };
-        if let Some(highest) = highest {
+        if let Some(Transition::Restick { .. } | Transition::Lost) = transition {
+            let highest = self.detector.ended().highest;
             let is_new = self.detector.is_up_to_date();
             self.stretches.interrupt(is_new.then(|| highest.index.saturating_sub(1)));
             self.detector.stays_below(None);
