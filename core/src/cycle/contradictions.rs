@@ -1,11 +1,9 @@
-//! Events that contradict the expectations: misfits, other rates, winches that stood.
+//! Events that contradict the expectations: a winch that stood, misfits and other rates in a row.
 
 use crate::cycle::expectations::Expectations;
 use crate::cycle::refusal::{FAST, is_no_chance};
-use crate::cycle::slip_record::SlipRecord;
 use crate::effect::Kept;
 use crate::effects::mass_change::Mass;
-use crate::fit::rounding_n2;
 use crate::model::CycleParams;
 use crate::stats::fading_trend::FadingTrend;
 
@@ -17,13 +15,6 @@ const CHANGED: u8 = 3;
 const SLOWER: f32 = 1.15;
 
 impl Expectations {
-    /// Are the event's residuals an outlier among those of the other events? The winch paused or
-    /// started, or the block hit something.
-    pub(crate) fn is_misfit(&self, slip: &SlipRecord, squares_n2: f32, free: f32) -> bool {
-        let least_n2 = (slip.noise_n2, rounding_n2(slip.peak.force_n));
-        self.residuals.is_outlier(squares_n2, free, least_n2)
-    }
-
     /// Did the winch stand while the cable hung slack? The fit takes the longer time without force
     /// for that of a slower block: its swing, with this variance, is far above that by winch and
     /// weight. Asked until the swing is known, for then [`Slackness`] knows the usual time. A cell

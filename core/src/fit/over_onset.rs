@@ -45,7 +45,7 @@ const UNLIKELY: f32 = 1.2e-7;
 
 /// Average over places of the onset, weighted by likelihood. A step is one iteration of the fit at
 /// one place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct OverOnset {
     sums: Sums,
     /// Numbers of places in a period and within the first step.
@@ -68,16 +68,8 @@ impl OverOnset {
         let least = if clear { RESOLVED } else { CLEARLY_RESOLVED };
         let fine = if fall < RESOLVED { FINE } else { 1 };
         let steps = larger(smaller(periods, MOST), 1.0) as i16;
-        let (sums, from) = (Sums::default(), *best.cycle());
-        (fall < least).then_some(Self {
-            sums,
-            steps,
-            fine,
-            is_open: false,
-            place: 0,
-            from,
-            fitting: None,
-        })
+        let from = *best.cycle();
+        (fall < least).then(|| Self { steps, fine, from, ..Self::default() })
     }
 
     /// One iteration. Breaks with the posterior after the last place.

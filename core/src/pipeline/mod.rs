@@ -195,7 +195,10 @@ impl Pipeline {
 
     /// Takes a block of good samples through the detector and the cycles.
     fn block(&mut self, block: ForcePoint, step: &mut Step) {
-        let transition = self.detect(block);
+        if self.stretches.take(block) {
+            self.detector.stays_below(self.stretches.ceiling_n());
+        }
+        let transition = self.detector.step(block.index, block.force_n, self.cycles.is_full());
         // For most samples nothing has happened, and no fit is under way.
         if transition.is_none() && self.cycles.is_idle() {
             return;
@@ -207,13 +210,6 @@ impl Pipeline {
         if let Some(Provisional { mu_s, mu }) = &mut step.provisional {
             self.add_systematic(Some(mu_s), mu.as_mut());
         }
-    }
-
-    fn detect(&mut self, sample: ForcePoint) -> Option<Transition> {
-        if self.stretches.take(sample) {
-            self.detector.stays_below(self.stretches.ceiling_n());
-        }
-        self.detector.step(sample.index, sample.force_n, self.cycles.is_full())
     }
 
     /// Passes the detector's transition to the cycles; their first answer and their event go into

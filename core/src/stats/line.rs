@@ -5,6 +5,8 @@
 //! difference of two large sums, so neither a large force nor a long stick costs precision.
 //! Constant memory.
 
+use crate::num::math::larger;
+
 /// Sums of a straight line through weighted points.
 ///
 /// Times are in sampling periods from an origin that the owner keeps, forces in
@@ -120,6 +122,12 @@ impl Line {
         let dt = time - self.time;
         let turn = if self.tt > 0.0 { dt * dt / self.tt } else { 0.0 };
         1.0 / self.weight + turn
+    }
+
+    /// Weighted sum of squared residuals of the best line, N², and their degrees of freedom where the
+    /// sum of the weights is their number.
+    pub(crate) fn residuals(&self) -> (f32, f32) {
+        (self.residual_n2, larger(self.weight - 2.0, 0.0))
     }
 
     /// Weighted sum of squared residuals of the best line, N².
