@@ -5,11 +5,8 @@ use crate::cycle::refusal::{FAST, is_no_chance};
 use crate::effect::Kept;
 use crate::effects::mass_change::Mass;
 use crate::model::CycleParams;
-use crate::stats::fading_trend::FadingTrend;
+use crate::stats::fading_trend::{CHANGED, FadingTrend};
 
-/// Number of consecutive events that contradict the expectations, after which these are dropped, the
-/// same as for a single quantity (`stats/fading_trend.rs`).
-const CHANGED: u8 = 3;
 /// Ratio of a swing to that by winch and weight, above which the winch may have stood while the
 /// cable hung slack: other troubles lower omega by up to an eighth.
 const SLOWER: f32 = 1.15;

@@ -25,9 +25,9 @@ const SIGNIFICANT: f32 = 3.0;
 const TREND: f32 = 5.0;
 /// Standard deviations beyond which an event is an outlier (normal: one in 5e8).
 const FAR_OFF: f32 = 6.0;
-/// Number of outliers in a row with which the quantity has changed, and the past is dropped. A
-/// pause of the winch spoils a stick line, and with it the two events that share it.
-const CHANGED: u8 = 3;
+/// Number of outliers in a row with which a quantity has changed, or all of them, and the past is
+/// dropped. A pause of the winch spoils a stick line, and with it the two events that share it.
+pub(crate) const CHANGED: u8 = 3;
 
 /// Running mean of a quantity that events share, its trend, and its variance between events.
 ///
