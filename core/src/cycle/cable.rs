@@ -4,9 +4,9 @@
 use core::ops::Range;
 
 use crate::cycle::CycleTracker;
-use crate::cycle::ended::Ended;
+use crate::cycle::ended::{By, Ended};
 use crate::cycle::expectations::Expectations;
-use crate::cycle::slip_record::{SHORTEST_FALL, SlipRecord};
+use crate::cycle::slip_record::{SHORTEST_FALL, SeenSlip, SlipRecord};
 use crate::detector::{Detector, Stick};
 use crate::effect::Effect;
 use crate::effects::corner::CornerEstimator;
@@ -32,6 +32,14 @@ impl Ended {
         let is_line = !self.stick.broken && self.stick.line.count >= FEWEST;
         let asks = || self.fall() >= SHORTEST_FALL && detector.bends();
         learnt.effects.has(Effect::Sag) && is_line && (learnt.sag.read(Sag::has_begun) || asks())
+    }
+
+    /// Periods from the highest to the lowest sample of the slip; zero if no slip ended the line.
+    fn fall(&self) -> f32 {
+        match self.by {
+            By::Slip(SeenSlip { peak, low, .. }) => since(peak.index, low.index),
+            By::Loss(_) => 0.0,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::cycle::slip_record::SeenSlip;
 use crate::detector::{Detector, Stick};
-use crate::sample::{ForcePoint, since};
+use crate::sample::ForcePoint;
 
 /// The end of a stick line.
 #[derive(Clone, Copy, Debug)]
@@ -34,14 +34,6 @@ impl Ended {
     /// Ended by a gap, or by the end of the test, at an index.
     pub(super) fn by_loss(stick: &Stick, index: u32) -> Self {
         Self { stick: *stick, by: By::Loss(index) }
-    }
-
-    /// Periods from the highest to the lowest sample of the slip; zero if no slip ended the line.
-    pub(super) fn fall(&self) -> f32 {
-        match self.by {
-            By::Slip(SeenSlip { peak, low, .. }) => since(peak.index, low.index),
-            By::Loss(_) => 0.0,
-        }
     }
 
     /// Index of the highest sample before the slip, or of the loss.

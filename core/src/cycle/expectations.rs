@@ -40,7 +40,7 @@ pub(crate) struct Expectations {
     /// Number of consecutive first events whose winch may have stood while the cable hung slack.
     pub(super) stood: u8,
     /// The residuals include samples with flop weights.
-    weighted: bool,
+    pub(super) weighted: bool,
     /// Speed of the winch times the mass of the given weight, N periods; NaN where the speed is
     /// unknown.
     momentum: f32,
@@ -71,13 +71,6 @@ impl Expectations {
         larger(slip.white_share() * noise_n2, rounding_n2(slip.peak.force_n))
     }
 
-    /// Variance due to a bend of an event's lines, or an oscillation about them, that may be the
-    /// cable's or the cell's, in units of the noise variance.
-    pub(crate) fn unsure(&self, slip: &SlipRecord, noise_n2: f32) -> f32 {
-        let all_n2 = self.residuals.variance_n2().unwrap_or(slip.noise_n2);
-        slip.wander.unsure * all_n2 / noise_n2
-    }
-
     /// Variance of the white noise from the fits alone, N². Before the first fit it is nearly zero,
     /// so that rough priors get almost no weight.
     pub(crate) fn fitted_noise_n2(&self, slip: &SlipRecord) -> f32 {
@@ -85,15 +78,6 @@ impl Expectations {
         match self.residuals.variance_n2() {
             Some(_) => self.noise_n2(slip),
             None => HARDLY * slip.noise_n2,
-        }
-    }
-
-    /// Drops the residuals from before samples had weights, once some have: they are not
-    /// comparable.
-    pub(crate) fn weigh(&mut self, slip: &SlipRecord) {
-        if slip.rest_weight < 1.0 && !self.weighted {
-            self.weighted = true;
-            self.residuals = Residuals::default();
         }
     }
 

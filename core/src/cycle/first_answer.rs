@@ -6,8 +6,9 @@ use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Work};
 use crate::detector::Detector;
 use crate::event::Provisional;
+use crate::fit::correction::UNSURE_OSCILLATION;
 use crate::fit::posterior::Posterior;
-use crate::fit::{Data, Fit, Priors, UNSURE_OSCILLATION};
+use crate::fit::{Data, Fit, Priors};
 use crate::stats::line::Line;
 
 /// Most steps of the fit for a first answer; two usually suffice.

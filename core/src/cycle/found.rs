@@ -4,6 +4,7 @@ use crate::cycle::CycleTracker;
 use crate::cycle::expectations::Expectations;
 use crate::effect::{Effect, Effects, Parameter};
 use crate::effects::damping::Damping;
+use crate::effects::mass_change::Mass;
 use crate::effects::onset::Onset;
 use crate::effects::oscillation::Oscillation;
 use crate::effects::sag::Sag;
@@ -50,5 +51,20 @@ impl CycleTracker {
             Effect::Ripple => [self.learnt.oscillation.read(Oscillation::parameter), None],
             Effect::Level | Effect::Drift | Effect::Flop => [None; 2],
         }
+    }
+
+    /// Periods before the onset in which creep bends the stick line.
+    pub(crate) fn creep_periods(&self) -> f32 {
+        self.learnt.creep_periods()
+    }
+
+    /// Standard deviation of the damping ratio: the stated one, widened by what the events show.
+    pub(crate) fn damping_std(&self, stated: f32) -> f32 {
+        self.learnt.damping.get().map_or(stated, |damping| damping.std(stated))
+    }
+
+    /// Weight in use over the given one, and its relative standard deviation.
+    pub(crate) fn weight_ratio(&self) -> (f32, f32) {
+        self.learnt.mass.get().map_or((1.0, 0.0), Mass::weight_ratio_and_std)
     }
 }

@@ -1,8 +1,7 @@
-//! Estimates that other modules read: noise, rate, omega, weight.
+//! Estimates that other modules read: noise, rate, omega, and the site.
 
 use crate::coefficient::Site;
 use crate::cycle::CycleTracker;
-use crate::effects::mass_change::Mass;
 use crate::num::math;
 use crate::stats::quantity::Quantity;
 
@@ -15,11 +14,6 @@ impl CycleTracker {
     /// Number of events so far, with or without coefficients.
     pub(crate) fn events(&self) -> u32 {
         self.count
-    }
-
-    /// Periods before the onset in which creep bends the stick line.
-    pub(crate) fn creep_periods(&self) -> f32 {
-        self.learnt.creep_periods()
     }
 
     /// Loading rate, N/s, and omega, rad/s, expected for the next event, each with its standard
@@ -63,15 +57,5 @@ impl CycleTracker {
     pub(crate) fn normal_n(&self) -> f32 {
         let site = self.site();
         site.weight_n * site.slope.1
-    }
-
-    /// Standard deviation of the damping ratio: the stated one, widened by what the events show.
-    pub(crate) fn damping_std(&self, stated: f32) -> f32 {
-        self.learnt.damping.get().map_or(stated, |damping| damping.std(stated))
-    }
-
-    /// Weight in use over the given one, and its relative standard deviation.
-    pub(crate) fn weight_ratio(&self) -> (f32, f32) {
-        self.learnt.mass.get().map_or((1.0, 0.0), Mass::weight_ratio_and_std)
     }
 }

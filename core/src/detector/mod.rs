@@ -43,7 +43,7 @@ pub use crate::detector::onset::FIRST_DROP;
 pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
-use crate::detector::line_following::{Look, SHORT};
+use crate::detector::rest_noise::{Look, SHORT};
 use crate::detector::slack_wait::SlackWait;
 use crate::effect::{Effect, Effects, Kept};
 use crate::noise::flop::FlopProfile;

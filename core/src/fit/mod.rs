@@ -41,10 +41,6 @@ pub(crate) struct Fit {
 /// Variances of the unknowns, in their order, and of `Fp`.
 pub(crate) type Variances = [f32; UNKNOWNS + 1];
 
-/// An oscillation of variance 1 about both lines: `Fs` and `Fe` each have its variance, half the
-/// drop and `Fp` half of it.
-pub(crate) const UNSURE_OSCILLATION: Variances = [0.0, 0.0, 1.0, 0.5, 0.0, 0.0, 0.5];
-
 /// `Fs` and `Fp`, N, with their variances, N².
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Forces {
@@ -84,13 +80,6 @@ impl Fit {
     pub(crate) fn scale(&mut self, ratio: f32) {
         let variances = self.variances;
         self.widen(&variances, ratio - 1.0);
-    }
-
-    /// Adds `times` their own variances to those of `Fs`, `d` and `Fp`, for noise with correlated
-    /// neighbours. The variances of the quantities that events share stay the same.
-    pub(crate) fn widen_forces(&mut self, times: f32) {
-        let [_, _, static_n2, half_drop_n2, _, _, dynamic_n2] = self.variances;
-        self.widen(&[0.0, 0.0, static_n2, half_drop_n2, 0.0, 0.0, dynamic_n2], times);
     }
 
     /// Adds `times` the given variances, of errors beyond the noise.
