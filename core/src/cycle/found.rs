@@ -22,8 +22,8 @@ impl CycleTracker {
             // A sagging cable changes the rate as well: that is attributed to the sag.
             .with(Effect::Stiffening, !sags && stiffening::is_found(rate, rate_change))
             .with(Effect::Mass, self.weight_ratio().1 > 0.0)
-            .with(Effect::Damping, damping.read(Damping::is_found))
-            .with(Effect::Onset, onset.read(Onset::is_found))
+            .with(Effect::Damping, damping.read(Damping::parameter).is_some())
+            .with(Effect::Onset, onset.read(Onset::parameter).is_some())
             .with(Effect::Scatter, scatter.read(SlipScatter::excess) > 0.0)
     }
 
