@@ -72,12 +72,6 @@ impl Add for DoubleSingle {
     }
 }
 
-impl AddAssign for DoubleSingle {
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
 impl AddAssign<f32> for DoubleSingle {
     #[inline(never)]
     fn add_assign(&mut self, number: f32) {
