@@ -1,6 +1,5 @@
 //! Coefficients from forces, and the means over them.
 
-use crate::effect::Effects;
 use crate::model;
 use crate::num::math;
 use crate::stats::student::t95;
@@ -95,8 +94,6 @@ pub(crate) struct Site {
     pub slope: (f32, f32),
     /// Samples per second.
     pub rate_hz: f32,
-    /// What to look for beyond the linear model.
-    pub effects: Effects,
 }
 
 impl Site {

@@ -1,10 +1,13 @@
-//! Shift of `Fp` by a cable that sags or stiffens, estimated from the rests.
+//! A cable that sags or stiffens: its lines in elongation, its forces, and its shift of `Fp`, which
+//! the rests determine.
+
+use core::ops::Range;
 
 use crate::cycle::CycleTracker;
-use crate::cycle::ended::Ended;
+use crate::cycle::ended::{By, Ended};
 use crate::cycle::expectations::Expectations;
-use crate::cycle::slip_record::{SHORTEST_FALL, SlipRecord};
-use crate::detector::Detector;
+use crate::cycle::slip_record::{SHORTEST_FALL, SeenSlip, SlipRecord};
+use crate::detector::{Detector, Stick};
 use crate::effect::Effect;
 use crate::effects::corner::CornerEstimator;
 use crate::effects::sag::{Rest, Sag};
@@ -12,10 +15,15 @@ use crate::effects::stiffening;
 use crate::fit::posterior::Posterior;
 use crate::model::CycleParams;
 use crate::model::elongation::Elongation;
-use crate::sample::SampleTime;
+use crate::sample::{SampleTime, since};
+use crate::signal::window::Window;
+use crate::stats::line::Line;
 
 /// Fewest samples of a rest that determine how its rate changes.
 const FEWEST: u32 = 8;
+
+/// Most samples of a line in elongation: two such lines take a third of a step's time.
+const MOST_OF_LINE: u32 = 24;
 
 impl Ended {
     /// Can the rest determine the sag of the cable? It has a line of enough samples, and either an
@@ -24,6 +32,48 @@ impl Ended {
         let is_line = !self.stick.broken && self.stick.line.count >= FEWEST;
         let asks = || self.fall() >= SHORTEST_FALL && detector.bends();
         learnt.effects.has(Effect::Sag) && is_line && (learnt.sag.read(Sag::has_begun) || asks())
+    }
+
+    /// Periods from the highest to the lowest sample of the slip; zero if no slip ended the line.
+    fn fall(&self) -> f32 {
+        match self.by {
+            By::Slip(SeenSlip { peak, low, .. }) => since(peak.index, low.index),
+            By::Loss(_) => 0.0,
+        }
+    }
+}
+
+impl Expectations {
+    /// Is the cable known to sag?
+    pub(crate) fn sags(&self) -> bool {
+        self.sag.read(Sag::parameter).is_some()
+    }
+}
+
+impl SlipRecord {
+    /// Sets `late`, the line of the later half of the rest before the slip. Its rate and the
+    /// duration of the rest determine the sag. Of a cable known to sag the line before the slip is
+    /// refitted to the whole rest in elongation, where it is straight, so no slope variance is
+    /// left.
+    pub(crate) fn take_late(&mut self, window: &Window, stick: &Stick) {
+        let half = (stick.next - stick.origin) / 2;
+        self.late = self.line_of(window, stick.next - half..stick.next).into();
+        if self.elongation.sags() {
+            self.before = self.line_of(window, stick.origin..stick.next);
+            self.wander.update(|wander| wander.slope = 0.0);
+        }
+    }
+
+    /// The line of a part of a rest; of a long part, through samples evenly spread over it.
+    pub(super) fn line_of(&self, window: &Window, rest: Range<u32>) -> Line {
+        let mut line = Line::default();
+        let each = (rest.end - rest.start) / MOST_OF_LINE + 1;
+        for index in rest.step_by(each as usize) {
+            if let Some(force_n) = window.get(index) {
+                line.add(since(self.origin, index), self.elongation.of(force_n), 1.0, 1.0);
+            }
+        }
+        line
     }
 }
 
@@ -64,7 +114,7 @@ impl CycleTracker {
     pub(super) fn learn_sag(&mut self, slip: &SlipRecord, posterior: &Posterior, stop: f32) {
         let (cycle, (static_n2, dynamic_n2)) = (&posterior.cycle, posterior.forces_n2());
         let rested = self.rested.take();
-        if !self.site.effects.has(Effect::Sag) || !cycle.is_taut() || !posterior.is_resolved() {
+        if !self.learnt.effects.has(Effect::Sag) || !cycle.is_taut() || !posterior.is_resolved() {
             return;
         }
         let restick_n2 = static_n2 + 4.0 * dynamic_n2;
@@ -94,7 +144,7 @@ impl CycleTracker {
         // A straight line through a rest goes through its mean force over time, `∫ F dy / ∫ dy`:
         // the midpoint of such lines is `Fp`, whatever the sag.
         let (sag_n, sag_n2) = if sags || slip.wander.bends { shift() } else { (0.0, 0.0) };
-        let stiffens = self.site.effects.has(Effect::Stiffening);
+        let stiffens = self.learnt.effects.has(Effect::Stiffening);
         let is_straight = slip.wander.level <= 0.0 && cycle.is_taut();
         if !is_straight {
             return (sag_n, sag_n2);

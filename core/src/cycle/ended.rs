@@ -1,9 +1,8 @@
-//! The end of a stick line, by a slip or a long gap, and the progress of the steps that follow it.
+//! The end of a stick line, by a slip or a long gap.
 
 use crate::cycle::slip_record::SeenSlip;
 use crate::detector::{Detector, Stick};
-use crate::fit::{Fit, Fitting, Priors};
-use crate::sample::{ForcePoint, since};
+use crate::sample::ForcePoint;
 
 /// The end of a stick line.
 #[derive(Clone, Copy, Debug)]
@@ -12,33 +11,11 @@ pub(super) struct Ended {
     pub(super) by: By,
 }
 
-/// Progress of the steps that follow the end of a stick line.
-#[derive(Clone, Copy, Debug)]
-#[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
-pub(super) enum Progress {
-    /// The slip that ended the line is the pending one, its samples gathered.
-    Gathered,
-    /// The first answer on the pending slip is being computed.
-    Answering(FirstAnswer),
-    /// The first answer is done (`None` without a fit); the event before does not have its lines
-    /// yet.
-    Answered(Option<Fit>),
-}
-
 #[derive(Clone, Copy, Debug)]
 pub(super) enum By {
     Slip(SeenSlip),
     /// A gap or the end of the test, at an index.
     Loss(u32),
-}
-
-/// A first answer under way.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FirstAnswer {
-    pub(super) priors: Priors,
-    pub(super) fitting: Fitting,
-    /// Steps of the fit that are still allowed.
-    pub(super) left: usize,
 }
 
 impl Ended {
@@ -57,14 +34,6 @@ impl Ended {
     /// Ended by a gap, or by the end of the test, at an index.
     pub(super) fn by_loss(stick: &Stick, index: u32) -> Self {
         Self { stick: *stick, by: By::Loss(index) }
-    }
-
-    /// Periods from the highest to the lowest sample of the slip; zero if no slip ended the line.
-    pub(super) fn fall(&self) -> f32 {
-        match self.by {
-            By::Slip(SeenSlip { peak, low, .. }) => since(peak.index, low.index),
-            By::Loss(_) => 0.0,
-        }
     }
 
     /// Index of the highest sample before the slip, or of the loss.

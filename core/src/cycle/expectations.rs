@@ -1,6 +1,5 @@
 //! Estimates from the events of a test so far, as expectations (priors) for the next one.
 
-use crate::coefficient::Site;
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::{Effect, Effects, Kept};
 use crate::effects::corner::CornerEstimator;
@@ -41,7 +40,7 @@ pub(crate) struct Expectations {
     /// Number of consecutive first events whose winch may have stood while the cable hung slack.
     pub(super) stood: u8,
     /// The residuals include samples with flop weights.
-    weighted: bool,
+    pub(super) weighted: bool,
     /// Speed of the winch times the mass of the given weight, N periods; NaN where the speed is
     /// unknown.
     momentum: f32,
@@ -61,8 +60,8 @@ const LINE: u32 = 8;
 
 impl Expectations {
     /// Before the first event.
-    pub(crate) fn new(site: &Site) -> Self {
-        Self { effects: site.effects, momentum: site.momentum, ..Self::default() }
+    pub(crate) fn new(effects: Effects, momentum: f32) -> Self {
+        Self { effects, momentum, ..Self::default() }
     }
 
     /// Variance of the white noise, N²: from the fits so far, else the detector's; at least the
@@ -72,13 +71,6 @@ impl Expectations {
         larger(slip.white_share() * noise_n2, rounding_n2(slip.peak.force_n))
     }
 
-    /// Variance due to a bend of an event's lines, or an oscillation about them, that may be the
-    /// cable's or the cell's, in units of the noise variance.
-    pub(crate) fn unsure(&self, slip: &SlipRecord, noise_n2: f32) -> f32 {
-        let all_n2 = self.residuals.variance_n2().unwrap_or(slip.noise_n2);
-        slip.wander.unsure * all_n2 / noise_n2
-    }
-
     /// Variance of the white noise from the fits alone, N². Before the first fit it is nearly zero,
     /// so that rough priors get almost no weight.
     pub(crate) fn fitted_noise_n2(&self, slip: &SlipRecord) -> f32 {
@@ -86,15 +78,6 @@ impl Expectations {
         match self.residuals.variance_n2() {
             Some(_) => self.noise_n2(slip),
             None => HARDLY * slip.noise_n2,
-        }
-    }
-
-    /// Drops the residuals from before samples had weights, once some have: they are not
-    /// comparable.
-    pub(crate) fn weigh(&mut self, slip: &SlipRecord) {
-        if slip.rest_weight < 1.0 && !self.weighted {
-            self.weighted = true;
-            self.residuals = Residuals::default();
         }
     }
 
@@ -132,11 +115,6 @@ impl Expectations {
         let first = if has_lines { FIRST } else { STEADY };
         let spread = self.rate.mean().map_or(first * rough_rate, |rate| STEADY * rate);
         Prior { mean: 0.0, weight: noise_n2 / (spread * spread) }
-    }
-
-    /// Is the cable known to sag?
-    pub(crate) fn sags(&self) -> bool {
-        self.sag.read(Sag::parameter).is_some()
     }
 
     /// Variances of `Fs` and `Fp`, N², due to the unknown time at which the rate changed by `b`:
@@ -262,21 +240,6 @@ impl Expectations {
             self.inverse_omega.add(value, variance);
         }
         self.mass.update(|mass| mass.learn(&evidence)).unwrap_or(verdict)
-    }
-
-    /// Time before an onset, periods, in which creep lowers the force by more than a fifth of the
-    /// noise's standard deviation.
-    pub(crate) fn creep_periods(&self) -> f32 {
-        const PART: f32 = 0.2;
-        if self.corner.read(CornerEstimator::missing_n) <= 0.0 {
-            return 0.0;
-        }
-        let known = self.rate.mean().zip(self.residuals.variance_n2());
-        let creep = |(rate, noise_n2)| {
-            let least_n = PART * math::sqrt(noise_n2);
-            self.corner.read(|corner| corner.creep_n(least_n)) / rate
-        };
-        known.map_or(0.0, creep)
     }
 
     /// Is the loading rate near the mean of the earlier events, as a steady winch gives it?

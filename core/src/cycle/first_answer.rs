@@ -2,13 +2,13 @@
 //! the block rests again.
 
 use crate::cycle::cable::relax;
-use crate::cycle::ended::{FirstAnswer, Progress};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Work};
 use crate::detector::Detector;
 use crate::event::Provisional;
+use crate::fit::correction::UNSURE_OSCILLATION;
 use crate::fit::posterior::Posterior;
-use crate::fit::{Data, Fit, Priors, UNSURE_OSCILLATION};
+use crate::fit::{Data, Fit, Priors};
 use crate::stats::line::Line;
 
 /// Most steps of the fit for a first answer; two usually suffice.
@@ -19,7 +19,6 @@ const MOST_SAMPLES: usize = 32;
 impl CycleTracker {
     /// First estimate of `mu_s` when a slip begins, from the stick line, with the onset anywhere in
     /// the last two periods.
-    #[must_use]
     pub(crate) fn onset(&self, detector: &Detector) -> Option<Provisional> {
         let (stick, now) = (detector.stick(), detector.last());
         let line = stick.line_from(now.index);
@@ -42,12 +41,12 @@ impl CycleTracker {
         let fitting = slip.guess(&data(&priors, slip, knows_omega), knows_omega);
         let is_long = slip.samples().forces_n.len() > MOST_SAMPLES;
         let left = if is_long { 0 } else { FIRST_STEPS };
-        self.work = Work::Line(Progress::Answering(FirstAnswer { priors, fitting, left }));
+        self.work = Work::Answering { priors, fitting, left };
     }
 
     /// One step of the fit for the first answer.
     pub(super) fn step_first(&mut self) {
-        let (Work::Line(Progress::Answering(FirstAnswer { priors, fitting, left })), Some(slip)) =
+        let (Work::Answering { priors, fitting, left }, Some(slip)) =
             (&mut self.work, &self.pending)
         else {
             return;
@@ -55,7 +54,7 @@ impl CycleTracker {
         let step = fitting.step(&data(priors, slip, self.learnt.knows_omega()));
         *left = left.saturating_sub(1);
         if step.is_break() || *left == 0 {
-            self.work = Work::Line(Progress::Answered(step.break_value().flatten()));
+            self.work = Work::Answered(step.break_value().flatten());
         }
     }
 

@@ -1,7 +1,7 @@
 //! Steps that follow the end of a stick line. They begin when the fit of the event before is done.
 
 use crate::cycle::cycle_fit::CycleFit;
-use crate::cycle::ended::{By, Ended, Progress};
+use crate::cycle::ended::{By, Ended};
 use crate::cycle::refusal;
 use crate::cycle::slip_record::{GUESSED, SlipRecord};
 use crate::cycle::{CycleTracker, LATE, Work};
@@ -33,25 +33,26 @@ const BRIEF: u32 = 8;
 impl CycleTracker {
     /// Time of the next step, in units of 160 instructions on the board.
     pub(super) fn takes(&self, ended: &Ended, detector: &Detector) -> usize {
-        let Work::Line(progress) = &self.work else {
-            // An oscillation in the rests of the slip before this one may be in the rests of this
-            // one too.
-            let swings = self.pending.as_ref().is_some_and(|slip| slip.wander.is_disputed());
-            return SLIP + if swings || ended.may_sag(&self.learnt, detector) { BENT } else { 0 };
-        };
-        match (progress, &self.pending) {
-            (Progress::Gathered, Some(slip)) if !self.learnt.knows_omega() => {
+        match (&self.work, &self.pending) {
+            (Work::Fit(_), before) => {
+                // An oscillation in the rests of the slip before this one may be in the rests of
+                // this one too.
+                let swings = before.as_ref().is_some_and(|slip| slip.wander.is_disputed());
+                let bends = swings || ended.may_sag(&self.learnt, detector);
+                SLIP + if bends { BENT } else { 0 }
+            }
+            (Work::Gathered, Some(slip)) if !self.learnt.knows_omega() => {
                 GUESSES + slip.samples().forces_n.len().min(GUESSED) * 5 / 2
             }
-            (Progress::Gathered, _) => GUESS,
-            (Progress::Answering(answer), Some(slip)) => slip.pass(&answer.priors),
-            (Progress::Answering(_) | Progress::Answered(_), _) => {
+            (Work::Gathered, _) => GUESS,
+            (Work::Answering { priors, .. }, Some(slip)) => slip.pass(priors),
+            (Work::Answering { .. } | Work::Answered(_), _) => {
                 // The test for an even fall looks at each sample of a long fall.
                 let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.slip.fall());
                 let is_bent = self.finishing.as_ref().is_some_and(|CycleFit { slip, .. }| {
                     slip.elongation.sags() || slip.wander.is_disputed()
                 });
-                let answer = if matches!(progress, Progress::Answered(None)) { 0 } else { ANSWER };
+                let answer = if matches!(self.work, Work::Answered(None)) { 0 } else { ANSWER };
                 LINES + answer + fall as usize + if is_bent { BENT } else { 0 }
             }
         }
@@ -61,9 +62,9 @@ impl CycleTracker {
     pub(super) fn follow_up(&mut self, detector: &Detector, first: &mut Option<Provisional>) {
         match &self.work {
             Work::Fit(_) => self.take_up(detector),
-            Work::Line(Progress::Gathered) => self.begin_first(),
-            Work::Line(Progress::Answering(_)) => self.step_first(),
-            Work::Line(Progress::Answered(_)) => *first = self.give_lines(detector),
+            Work::Gathered => self.begin_first(),
+            Work::Answering { .. } => self.step_first(),
+            Work::Answered(_) => *first = self.give_lines(detector),
         }
     }
 
@@ -82,7 +83,7 @@ impl CycleTracker {
             // A gap lies in the rest before this slip, or it is the first.
             (self.last_stop, self.rested) = (None, None);
         }
-        let progress = match by {
+        self.work = match by {
             By::Slip(slip) => {
                 let cable = if may_sag {
                     self.learnt.sag.read(|sag| sag.elongation(slip.low.force_n))
@@ -99,15 +100,11 @@ impl CycleTracker {
                 if may_sag {
                     next.take_late(detector.window(), stick);
                 }
-                if detector.waiting() > LATE {
-                    Progress::Answered(None)
-                } else {
-                    Progress::Gathered
-                }
+                if detector.waiting() > LATE { Work::Answered(None) } else { Work::Gathered }
             }
             By::Loss(_) => {
                 self.pending = None;
-                Progress::Answered(None)
+                Work::Answered(None)
             }
         };
         if let (Some(next), Some(CycleFit { slip: before, .. })) =
@@ -121,7 +118,6 @@ impl CycleTracker {
                 before.refused = next.refused;
             }
         }
-        self.work = Work::Line(progress);
     }
 
     /// First index of an event's samples: where the stick line ends, or, after a rest too brief for
@@ -145,7 +141,7 @@ impl CycleTracker {
     /// answer. This is the last step for the end of a line.
     fn give_lines(&mut self, detector: &Detector) -> Option<Provisional> {
         let ended = self.ended.as_ref()?;
-        let Work::Line(Progress::Answered(first)) = &self.work else { return None };
+        let Work::Answered(first) = &self.work else { return None };
         let first = first.as_ref().filter(|fit| self.shows_slip(fit));
         if let Some(slip) = &mut self.pending {
             slip.take_first_answer(first);

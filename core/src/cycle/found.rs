@@ -4,6 +4,7 @@ use crate::cycle::CycleTracker;
 use crate::cycle::expectations::Expectations;
 use crate::effect::{Effect, Effects, Parameter};
 use crate::effects::damping::Damping;
+use crate::effects::mass_change::Mass;
 use crate::effects::onset::Onset;
 use crate::effects::oscillation::Oscillation;
 use crate::effects::sag::Sag;
@@ -12,7 +13,6 @@ use crate::effects::stiffening;
 
 impl CycleTracker {
     /// The effects found in the events, except changes of level and drifts.
-    #[must_use]
     pub(crate) fn found(&self) -> Effects {
         let Expectations { corner, damping, onset, scatter, rate, rate_change, .. } = &self.learnt;
         let sags = self.learnt.sags();
@@ -22,13 +22,12 @@ impl CycleTracker {
             // A sagging cable changes the rate as well: that is attributed to the sag.
             .with(Effect::Stiffening, !sags && stiffening::is_found(rate, rate_change))
             .with(Effect::Mass, self.weight_ratio().1 > 0.0)
-            .with(Effect::Damping, damping.read(Damping::is_found))
-            .with(Effect::Onset, onset.read(Onset::is_found))
+            .with(Effect::Damping, damping.read(Damping::parameter).is_some())
+            .with(Effect::Onset, onset.read(Onset::parameter).is_some())
             .with(Effect::Scatter, scatter.read(SlipScatter::excess) > 0.0)
     }
 
     /// The parameters of an effect that was found, as the events determine them.
-    #[must_use]
     pub(crate) fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         match effect {
             Effect::Corner => {
@@ -52,5 +51,20 @@ impl CycleTracker {
             Effect::Ripple => [self.learnt.oscillation.read(Oscillation::parameter), None],
             Effect::Level | Effect::Drift | Effect::Flop => [None; 2],
         }
+    }
+
+    /// Periods before the onset in which creep bends the stick line.
+    pub(crate) fn creep_periods(&self) -> f32 {
+        self.learnt.creep_periods()
+    }
+
+    /// Standard deviation of the damping ratio: the stated one, widened by what the events show.
+    pub(crate) fn damping_std(&self, stated: f32) -> f32 {
+        self.learnt.damping.get().map_or(stated, |damping| damping.std(stated))
+    }
+
+    /// Weight in use over the given one, and its relative standard deviation.
+    pub(crate) fn weight_ratio(&self) -> (f32, f32) {
+        self.learnt.mass.get().map_or((1.0, 0.0), Mass::weight_ratio_and_std)
     }
 }

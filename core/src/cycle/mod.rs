@@ -8,10 +8,11 @@
 //! While the stick line after a slip still grows, the slip is *pending*. When the next slip has
 //! ended that line, the event is *finishing*: its fit is made. Fits and first answers take longer
 //! than one sample period, so they are made in steps, as many per sample as there is time for
-//! ([`CycleTracker::work`]). A slip that ends before the current fit waits in `ended`.
+//! ([`CycleTracker::follow`]). A slip that ends before the current fit waits in `ended`.
 
 mod cable;
 mod change;
+mod contradictions;
 mod cycle_fit;
 mod ended;
 mod expectations;
@@ -28,15 +29,16 @@ use core::ops::ControlFlow;
 
 use crate::coefficient::{Coefficient, Site};
 use crate::cycle::cycle_fit::{CycleFit, FitStage};
-use crate::cycle::ended::{Ended, Progress};
+use crate::cycle::ended::Ended;
 use crate::cycle::expectations::Expectations;
 use crate::cycle::refusal::{Recurrence, Slackness};
 use crate::cycle::slip_record::SlipRecord;
-use crate::detector::Detector;
-use crate::effect::{Effect, Kept};
+use crate::detector::{Detector, Transition};
+use crate::effect::{Effect, Effects, Kept};
 use crate::effects::level_shift::{Change, Levels};
 use crate::event::{Event, Provisional};
-use crate::sample::{ForcePoint, SampleTime};
+use crate::fit::{Fit, Fitting, Priors};
+use crate::sample::SampleTime;
 
 /// A complete event.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +67,18 @@ impl From<Event> for Finished {
 #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
 enum Work {
     Fit(FitStage),
-    Line(Progress),
+    /// The slip that ended the line is the pending one, its samples gathered.
+    Gathered,
+    /// The first answer on the pending slip is being computed.
+    Answering {
+        priors: Priors,
+        fitting: Fitting,
+        /// Steps of the fit that are still allowed.
+        left: usize,
+    },
+    /// The first answer is done (`None` without a fit); the event before does not have its lines
+    /// yet.
+    Answered(Option<Fit>),
 }
 
 impl Default for Work {
@@ -105,13 +118,12 @@ pub(crate) struct CycleTracker {
 
 impl CycleTracker {
     /// Before the first event.
-    #[must_use]
     // In one piece: field by field, where it is called, it takes some hundred bytes of flash more.
     #[inline(never)]
-    pub(crate) fn new(site: Site) -> Self {
+    pub(crate) fn new(site: Site, effects: Effects) -> Self {
         Self {
             site,
-            learnt: Expectations::new(&site),
+            learnt: Expectations::new(effects, site.momentum),
             pending: None,
             finishing: None,
             ended: None,
@@ -133,50 +145,35 @@ impl CycleTracker {
         self.count = self.count.saturating_sub(1);
     }
 
-    /// The block rests again; `last_hidden` is the newest saturated index. An event that this
-    /// completes is returned in `answers`, see [`Self::end_line`].
-    pub(crate) fn restick(
+    /// Takes the detector's transition; `last_hidden` is the newest saturated index. If an earlier
+    /// end of a stick line still waits as another comes, for the window has no room for more samples,
+    /// its remaining steps are done at once. Then does as many steps as the time of a sample allows,
+    /// and at least one.
+    pub(crate) fn follow(
         &mut self,
         detector: &Detector,
-        extremes: (ForcePoint, ForcePoint),
+        transition: Option<Transition>,
         last_hidden: Option<u32>,
         answers: &mut Answers,
     ) {
-        self.end_line(detector, Ended::by_slip(detector, extremes, last_hidden), answers);
-    }
-
-    /// A long gap: the stick line that it ends also ends the pending event.
-    pub(crate) fn lose(&mut self, detector: &Detector, answers: &mut Answers) {
-        self.end_line(detector, Ended::by_loss(detector.ended(), detector.lost()), answers);
-    }
-
-    /// Takes the end of the stick line after the pending slip. If an earlier end still waits, as the
-    /// window has no room for more samples, its remaining steps are done at once. An event completed
-    /// by these steps is returned in `answers`.
-    fn end_line(&mut self, detector: &Detector, ended: Ended, answers: &mut Answers) {
-        while self.ended.is_some() {
-            answers.spent += self.next_takes(detector);
-            self.advance(detector, answers);
+        let mut spent = detector.spent();
+        let ended = match transition {
+            Some(Transition::Restick { peak, low }) => {
+                Some(Ended::by_slip(detector, (peak, low), last_hidden))
+            }
+            // The stick line that a long gap ends also ends the pending event.
+            Some(Transition::Lost) => Some(Ended::by_loss(detector.ended(), detector.lost())),
+            None | Some(Transition::Onset | Transition::Cancelled) => None,
+        };
+        if ended.is_some() {
+            while self.ended.is_some() {
+                spent += self.next_takes(detector);
+                self.advance(detector, answers);
+            }
+            self.ended = ended;
         }
-        self.ended = Some(ended);
-    }
-
-    /// Is no step left to do?
-    #[must_use]
-    pub(crate) fn is_idle(&self) -> bool {
-        self.finishing.is_none() && self.ended.is_none()
-    }
-
-    /// Is there no room for the end of another stick line?
-    #[must_use]
-    pub(crate) fn is_full(&self) -> bool {
-        self.ended.is_some()
-    }
-
-    /// Does as many steps as the time of a sample allows, and at least one.
-    pub(crate) fn work(&mut self, detector: &Detector, answers: &mut Answers) {
         let time = if detector.waiting() > 0 { MOST_TIME } else { TIME };
-        let mut left = time.saturating_sub(detector.spent() + answers.spent);
+        let mut left = time.saturating_sub(spent);
         while answers.finished.is_none() {
             let takes = self.next_takes(detector);
             if takes == 0 || (takes > left && left < TIME) {
@@ -185,6 +182,16 @@ impl CycleTracker {
             left = left.saturating_sub(takes);
             self.advance(detector, answers);
         }
+    }
+
+    /// Is no step left to do?
+    pub(crate) fn is_idle(&self) -> bool {
+        self.finishing.is_none() && self.ended.is_none()
+    }
+
+    /// Is there no room for the end of another stick line?
+    pub(crate) fn is_full(&self) -> bool {
+        self.ended.is_some()
     }
 
     /// Does the next step.
@@ -225,8 +232,6 @@ impl CycleTracker {
 pub(crate) struct Answers {
     /// A first answer on the last slip.
     pub first: Option<Provisional>,
-    /// Time of the steps, in the units of [`TIME`], that could not wait.
-    pub spent: usize,
     /// An event that is complete.
     pub finished: Option<Finished>,
 }

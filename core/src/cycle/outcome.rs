@@ -1,10 +1,11 @@
 //! How an event ends: with its coefficients, or with the reason why there are none.
 
-use crate::coefficient::Site;
+use crate::coefficient::{Coefficient, Site};
 use crate::cycle::cycle_fit::{CycleFit, Measured};
 use crate::cycle::refusal::{self, FAST, LEAST_UNCONFIRMED, RootStiffnessRatio};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished, Work};
+use crate::effects::mass_change::Verdict;
 use crate::event::{Event, Quality, Reason};
 use crate::fit::posterior::Posterior;
 use crate::model::{CycleParams, Shape};
@@ -90,6 +91,34 @@ impl CycleTracker {
             finished.event.reason = finished.event.reason.or(Some(Reason::TooShort));
         }
         (finished, SampleTime::after(slip.origin, loads))
+    }
+
+    /// Completes a measured event: adds the change that it shows and the common parts of its
+    /// errors.
+    fn judged(
+        &mut self,
+        site: &Site,
+        mut event: Event,
+        alone: Option<(Coefficient, Coefficient)>,
+        posterior: &Posterior,
+        (shift_n, shift_n2): (f32, f32),
+        verdict: Verdict,
+    ) -> Finished {
+        let change = self.change(verdict, &event, posterior);
+        if verdict == Verdict::Suspect {
+            (event.mu_s, event.mu, event.reason) = (None, None, Some(Reason::Suspect));
+            return event.into();
+        }
+        // Only a sag that shifts `Fp` is common to all events; one that is only possible is not.
+        let sag_n2 = if shift_n > 0.0 { shift_n2 } else { 0.0 };
+        let (static_n2, dynamic_n2) = posterior.common_n2;
+        let mut common = (site.std(static_n2), site.std(dynamic_n2 + sag_n2));
+        if !posterior.is_resolved() && !self.learnt.knows_omega() {
+            // The length of the slip is then a guess with the same error in all events.
+            let (static_n2, dynamic_n2) = posterior.forces_n2();
+            common = (site.std(static_n2), site.std(dynamic_n2));
+        }
+        Finished { event, alone, common, change }
     }
 
     /// Why an event is refused: by its own fit, or because most recent events look aliased; where

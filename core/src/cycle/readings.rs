@@ -1,27 +1,23 @@
-//! Estimates that other modules read: noise, rate, omega, weight.
+//! Estimates that other modules read: noise, rate, omega, and the site.
 
 use crate::coefficient::Site;
 use crate::cycle::CycleTracker;
-use crate::effects::mass_change::Mass;
 use crate::num::math;
 use crate::stats::quantity::Quantity;
 
 impl CycleTracker {
     /// Standard deviation of the noise, N, from the residuals of all fits.
-    #[must_use]
     pub(crate) fn noise_n(&self) -> Option<f32> {
         self.learnt.residuals.variance_n2().map(math::sqrt)
     }
 
-    /// Periods before the onset in which creep bends the stick line.
-    #[must_use]
-    pub(crate) fn creep_periods(&self) -> f32 {
-        self.learnt.creep_periods()
+    /// Number of events so far, with or without coefficients.
+    pub(crate) fn events(&self) -> u32 {
+        self.count
     }
 
     /// Loading rate, N/s, and omega, rad/s, expected for the next event, each with its standard
     /// deviation. Omega is `None` where its standard deviation is a third of it or more.
-    #[must_use]
     pub(crate) fn shared(&self) -> (Option<Quantity>, Option<Quantity>) {
         let hz = self.site.rate_hz;
         let omega = |inverse: Quantity| {
@@ -40,7 +36,6 @@ impl CycleTracker {
     }
 
     /// Loading rate over omega, N; zero while one of them is unknown.
-    #[must_use]
     pub(crate) fn overshoot_n(&self) -> f32 {
         let swing = self.learnt.usual_swing().mean().filter(|_| self.determines_omega());
         self.learnt.rate.mean().zip(swing).map_or(0.0, |(rate, swing)| rate * swing)
@@ -54,27 +49,13 @@ impl CycleTracker {
     }
 
     /// Sine and cosine of the slope.
-    #[must_use]
     pub(crate) fn slope(&self) -> (f32, f32) {
         self.site.slope
     }
 
     /// Normal force of the block, N, with the weight in use: the force of a coefficient of one.
-    #[must_use]
     pub(crate) fn normal_n(&self) -> f32 {
         let site = self.site();
         site.weight_n * site.slope.1
-    }
-
-    /// Standard deviation of the damping ratio: the stated one, widened by what the events show.
-    #[must_use]
-    pub(crate) fn damping_std(&self, stated: f32) -> f32 {
-        self.learnt.damping.get().map_or(stated, |damping| damping.std(stated))
-    }
-
-    /// Weight in use over the given one, and its relative standard deviation.
-    #[must_use]
-    pub(crate) fn weight_ratio(&self) -> (f32, f32) {
-        self.learnt.mass.get().map_or((1.0, 0.0), Mass::weight_ratio_and_std)
     }
 }

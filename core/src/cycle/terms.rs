@@ -1,19 +1,24 @@
-//! Score tests of an event's residuals for force terms and oscillations that its fit lacks.
+//! What the effects learn from an event: the score tests of its residuals for force terms that its
+//! fit lacks, oscillations and creep; and its noise beyond the white one.
 
 use core::ops::Range;
 
 use crate::cycle::expectations::Expectations;
+use crate::cycle::slip_record::SlipRecord;
 use crate::effect::Effect;
+use crate::effects::corner::CornerEstimator;
 use crate::effects::damping::{self, Damping};
 use crate::effects::onset;
 use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
 use crate::fit::posterior::Posterior;
+use crate::fit::residuals::Residuals;
 use crate::fit::{Data, Fit};
 use crate::model::Shape;
 use crate::model::corner::Corner;
 use crate::noise::ripple::ColoredNoise;
 use crate::noise::sinusoid::Sinusoid;
+use crate::num::math;
 
 impl Expectations {
     /// Are there force terms to test for? False at compile time where none is compiled in.
@@ -45,6 +50,37 @@ impl Expectations {
         self.inverse_omega.translate(inverse_omega);
         self.rate_change.translate(rate_change);
         effect
+    }
+
+    /// Time before an onset, periods, in which creep lowers the force by more than a fifth of the
+    /// noise's standard deviation.
+    pub(crate) fn creep_periods(&self) -> f32 {
+        const PART: f32 = 0.2;
+        if self.corner.read(CornerEstimator::missing_n) <= 0.0 {
+            return 0.0;
+        }
+        let known = self.rate.mean().zip(self.residuals.variance_n2());
+        let creep = |(rate, noise_n2)| {
+            let least_n = PART * math::sqrt(noise_n2);
+            self.corner.read(|corner| corner.creep_n(least_n)) / rate
+        };
+        known.map_or(0.0, creep)
+    }
+
+    /// Variance due to a bend of an event's lines, or an oscillation about them, that may be the
+    /// cable's or the cell's, in units of the noise variance.
+    pub(crate) fn unsure(&self, slip: &SlipRecord, noise_n2: f32) -> f32 {
+        let all_n2 = self.residuals.variance_n2().unwrap_or(slip.noise_n2);
+        slip.wander.unsure * all_n2 / noise_n2
+    }
+
+    /// Drops the residuals from before samples had weights, once some have: they are not
+    /// comparable.
+    pub(crate) fn weigh(&mut self, slip: &SlipRecord) {
+        if slip.rest_weight < 1.0 && !self.weighted {
+            self.weighted = true;
+            self.residuals = Residuals::default();
+        }
     }
 
     /// Learns from an event, if it `teaches`, whether the oscillation about its two lines is the

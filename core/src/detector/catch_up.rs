@@ -68,13 +68,11 @@ impl Detector {
     }
 
     /// Has every sample been examined?
-    #[must_use]
     pub(crate) fn is_up_to_date(&self) -> bool {
         !self.is_behind
     }
 
     /// Number of waiting samples; zero while those that are examined again wait for nothing else.
-    #[must_use]
     pub(crate) fn waiting(&self) -> u32 {
         self.put_off
     }

@@ -14,16 +14,6 @@ use crate::signal::window::WINDOW;
 /// Number of samples in a row off the line, all on one side, after which the line starts anew.
 /// Tuned: two happen by a spike and its neighbour, four find a new line later.
 const NEW_LINE: u8 = 3;
-/// Most samples of a stick that the flop profile looks at.
-pub(super) const PROFILE: i32 = WINDOW as i32 * 3 / 4;
-/// Longest stick, samples, that the profile processes in one step, when the stick has ended. A
-/// longer one takes two steps: at the first and the second sample of the next stick or, from
-/// [`PROFILE`] samples on, at its own two samples there.
-pub(super) const SHORT: i32 = 80;
-const FIRST: i32 = 1;
-const SECOND: i32 = FIRST + 1;
-const PAST_PROFILE: i32 = PROFILE + 1;
-
 /// Interval, samples, at which the usual drop is halved in a stick whose line begins anew again and
 /// again, or more than twice as long as the one before; a power of two. Tuned: a knock hides slips
 /// for as long, and no flop lasts as long.
@@ -47,14 +37,6 @@ const FEW: u32 = 12;
 /// Most samples between such a line and the onset that are tested: the delay of the line where
 /// slips are as short.
 const MOST_LEFT: usize = 8;
-
-/// What the profile does in a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Look {
-    Begin,
-    Learn,
-    Both,
-}
 
 /// Rounds to the nearest sample.
 pub(super) fn whole(periods: f32) -> u32 {
@@ -81,17 +63,10 @@ impl Detector {
             {
                 self.forget_usual();
             }
-            match rested {
-                FIRST => {
-                    self.look_for_flop(Look::Begin, SHORT..PROFILE, false);
-                    if self.usual_drop_n <= 0.0 && self.begins_after_fall(newest) {
-                        continue;
-                    }
-                }
-                SECOND => self.look_for_flop(Look::Learn, SHORT..PROFILE, false),
-                PROFILE => self.look_for_flop(Look::Begin, PROFILE..i32::MAX, true),
-                PAST_PROFILE => self.look_for_flop(Look::Learn, PROFILE..i32::MAX, true),
-                _ => {}
+            self.look_on(rested);
+            let is_first = rested == 1 && self.usual_drop_n <= 0.0;
+            if is_first && self.begins_after_fall(newest) {
+                continue;
             }
             if let Some(force_n) = self.window.get(index) {
                 self.take_into_line(ForcePoint { index, force_n });
@@ -214,12 +189,7 @@ impl Detector {
         stick.broken = !flops;
         // Earlier samples, a spike perhaps, are not the highest of this line.
         stick.highest = ForcePoint { index: start, force_n: f32::NEG_INFINITY };
-        for past in start..self.last.index + 1 {
-            let Some(force_n) = self.window.get(past) else { continue };
-            if force_n > stick.highest.force_n {
-                stick.highest = ForcePoint { index: past, force_n };
-            }
-        }
+        self.look_back(start, self.last.index);
     }
 
     /// Does the cable still hang slack? Once its force has risen, the stick line starts.

@@ -43,7 +43,7 @@ pub use crate::detector::onset::FIRST_DROP;
 pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
-use crate::detector::line_following::{Look, SHORT};
+use crate::detector::rest_noise::{Look, SHORT};
 use crate::detector::slack_wait::SlackWait;
 use crate::effect::{Effect, Effects, Kept};
 use crate::noise::flop::FlopProfile;
@@ -56,8 +56,9 @@ use crate::signal::window::{WINDOW, Window};
 /// Upper limit of the noise, parts of the usual drop: the drops have to be eight times the noise,
 /// and could not have been detected in more noise.
 const MOST_NOISE: f32 = 0.1;
-/// Longest gap that a line continues over, periods: a whole slip may hide in a longer one.
-const LONGEST_GAP: u32 = 8;
+/// Longest gap that a line, or a constant force, continues over, periods: a whole slip may hide in a
+/// longer one.
+pub(crate) const LONGEST_GAP: u32 = 8;
 /// Longest slip, periods: its samples are still in the window when it ends.
 const LONGEST_SLIP: u32 = WINDOW as u32 * 3 / 4;
 

@@ -138,7 +138,6 @@ impl Detector {
 
     /// Would this sample begin a slip if it came next and were no spike? Asked before it is judged;
     /// changes nothing. A fall much larger than the usual drop is more likely a spike.
-    #[must_use]
     pub(crate) fn foresees_slip(&self, next: ForcePoint) -> bool {
         let drop = self.stick.highest.force_n - next.force_n;
         drop > 0.0

@@ -7,7 +7,6 @@ use crate::signal::window::Window;
 impl Detector {
     /// Work of the newest step beyond that of one at rest, in units of 160 instructions on the
     /// board.
-    #[must_use]
     pub(crate) fn spent(&self) -> usize {
         self.spent
     }
@@ -19,25 +18,21 @@ impl Detector {
     }
 
     /// The newest sample looked at.
-    #[must_use]
     pub(crate) fn last(&self) -> ForcePoint {
         self.last
     }
 
     /// The last samples.
-    #[must_use]
     pub(crate) fn window(&self) -> &Window {
         &self.window
     }
 
     /// The stick line since the last re-stick.
-    #[must_use]
     pub(crate) fn stick(&self) -> &Stick {
         &self.stick
     }
 
     /// The stick line before the last slip, or before the last long gap.
-    #[must_use]
     pub(crate) fn ended(&self) -> &Stick {
         &self.ended
     }
@@ -53,13 +48,11 @@ impl Detector {
     }
 
     /// Standard deviation of the noise, N, to about 10 %; `None` before it is known.
-    #[must_use]
     pub(crate) fn noise_n(&self) -> Option<f32> {
         (self.std_n < f32::INFINITY).then_some(self.std_n)
     }
 
     /// Usual drop of a slip, N; zero before the first.
-    #[must_use]
     pub(crate) fn usual_drop_n(&self) -> f32 {
         self.usual_drop_n
     }

@@ -3,22 +3,38 @@
 use core::ops::Range;
 
 use crate::detector::Detector;
-use crate::detector::line_following::{Look, PROFILE};
 use crate::effect::{Effect, Effects, Parameter};
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::{ColoredNoise, Ripple};
 use crate::num::math::{larger, smaller};
 use crate::sample::{periods_between, since};
+use crate::signal::window::WINDOW;
+
+/// Most samples of a stick that the flop profile looks at.
+const PROFILE: i32 = WINDOW as i32 * 3 / 4;
+/// Longest stick, samples, that the profile processes in one step, when the stick has ended. A
+/// longer one takes two steps: at the first and the second sample of the next stick or, from
+/// [`PROFILE`] samples on, at its own two samples there.
+pub(super) const SHORT: i32 = 80;
+const FIRST: i32 = 1;
+const SECOND: i32 = FIRST + 1;
+const PAST_PROFILE: i32 = PROFILE + 1;
+
+/// What the profile does in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Look {
+    Begin,
+    Learn,
+    Both,
+}
 
 impl Detector {
     /// Colored noise: how the force departs from a straight stick line beyond white noise.
-    #[must_use]
     pub(crate) fn wander(&self) -> ColoredNoise {
         if self.effects.has(Effect::Ripple) { self.colored() } else { ColoredNoise::NONE }
     }
 
     /// Do all rests bend the same way?
-    #[must_use]
     pub(crate) fn bends(&self) -> bool {
         self.colored().bends
     }
@@ -29,14 +45,12 @@ impl Detector {
 
     /// Common weight of all samples from the lowest one to the newest: the flop profile's at the
     /// age of their middle, which is negative, before the re-stick.
-    #[must_use]
     pub(crate) fn rest_weight(&self) -> f32 {
         let age = -0.5 * since(self.lowest.index, self.last.index);
         self.profile.get().map_or(1.0, |profile| 1.0 / profile.variance(age))
     }
 
     /// Which of the two noise effects, flop and ripple, the recent rests show.
-    #[must_use]
     pub(crate) fn found(&self) -> Effects {
         Effects::NONE
             .with(Effect::Flop, self.flops())
@@ -44,15 +58,26 @@ impl Detector {
     }
 
     /// Estimate of the flop from the recent rests.
-    #[must_use]
     pub(crate) fn flop(&self) -> Option<Parameter> {
         self.profile.get().map(FlopProfile::parameter)
     }
 
     /// Estimate of the ripple from the recent rests.
-    #[must_use]
     pub(crate) fn ripple(&self) -> Option<Parameter> {
         self.ripple.read(Ripple::parameter)
+    }
+
+    /// Gives the flop profile a long stick, in two steps, at the samples of a rest where it has
+    /// time: `rested` is the number of those on the line.
+    #[inline(always)]
+    pub(super) fn look_on(&mut self, rested: i32) {
+        match rested {
+            FIRST => self.look_for_flop(Look::Begin, SHORT..PROFILE, false),
+            SECOND => self.look_for_flop(Look::Learn, SHORT..PROFILE, false),
+            PROFILE => self.look_for_flop(Look::Begin, PROFILE..i32::MAX, true),
+            PAST_PROFILE => self.look_for_flop(Look::Learn, PROFILE..i32::MAX, true),
+            _ => {}
+        }
     }
 
     /// Gives the flop profile the stick that has ended, or the current one if `goes_on`, provided

@@ -42,25 +42,21 @@ impl Stick {
     }
 
     /// Do all samples so far lie on one line?
-    #[must_use]
     pub(crate) fn is_straight(&self) -> bool {
         self.first.is_none()
     }
 
     /// The initial line, from the last re-stick on; times from an index on.
-    #[must_use]
     pub(crate) fn first_from(&self, index: u32) -> Line {
         self.first.map_or_else(|| self.line_from(index), |first| moved(first, self.origin, index))
     }
 
     /// The current line; times from an index on.
-    #[must_use]
     pub(crate) fn line_from(&self, index: u32) -> Line {
         moved(self.line, self.line_origin, index)
     }
 
     /// Number of samples of the initial line.
-    #[must_use]
     pub(crate) fn first_count(&self) -> u32 {
         self.first.as_ref().unwrap_or(&self.line).count
     }

@@ -60,11 +60,6 @@ impl Damping {
         math::smaller(math::hypotenuse(stated, losses), InputStd::MOST_DAMPING)
     }
 
-    /// Is the damping ratio significant?
-    pub(crate) fn is_found(&self) -> bool {
-        self.0.is_found() && self.0.value() > 0.0
-    }
-
     /// The damping ratio, if it is significant.
     pub(crate) fn parameter(&self) -> Option<Parameter> {
         let (value, std) = self.0.found().filter(|&(value, _)| value > 0.0)?;

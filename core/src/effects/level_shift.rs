@@ -139,11 +139,13 @@ fn middle_half(values: &[f32; RECENT]) -> f32 {
     let mut sorted = *values;
     for count in 1..RECENT {
         let (before, rest) = sorted.split_at_mut(count);
-        let Some(next) = rest.first_mut() else { continue };
-        for earlier in before {
-            if *earlier > *next {
-                core::mem::swap(earlier, next);
+        let Some(mut next) = rest.first_mut() else { continue };
+        for earlier in before.iter_mut().rev() {
+            if *earlier <= *next {
+                break;
             }
+            core::mem::swap(earlier, next);
+            next = earlier;
         }
     }
     let [_, _, middle @ .., _, _] = sorted;

@@ -77,12 +77,6 @@ impl Onset {
         possible(even) * half_drop_n * half_drop_n
     }
 
-    /// Is the first term's amplitude significant?
-    pub(crate) fn is_found(&self) -> bool {
-        let [even, _] = &self.terms;
-        even.is_found()
-    }
-
     /// The first term's amplitude, if it is significant.
     pub(crate) fn parameter(&self) -> Option<Parameter> {
         let [even, _] = &self.terms;

@@ -33,7 +33,6 @@ pub(crate) struct SlipScatter {
 impl SlipScatter {
     /// The scatter `λ`: variance beyond the noise where the force is steepest, over that of the
     /// noise, as far as it is significant.
-    #[must_use]
     pub(crate) fn excess(&self) -> f32 {
         let more = self.pooled.variance_n2().map_or(0.0, |ratio| ratio - 1.0);
         if more <= 0.0 {

@@ -155,14 +155,10 @@ impl ScoreSum {
         self.count > LEAST_EVENTS
     }
 
-    /// Is the amplitude significant?
-    pub(crate) fn is_found(&self) -> bool {
-        let value = self.value();
-        self.counts() && value * value > SIGNIFICANT * SIGNIFICANT * self.variance()
-    }
-
     /// The amplitude and its standard deviation, if it is significant.
     pub(crate) fn found(&self) -> Option<(f32, f32)> {
-        self.is_found().then(|| (self.value(), math::sqrt(self.variance())))
+        let (value, variance) = (self.value(), self.variance());
+        let is_found = self.counts() && value * value > SIGNIFICANT * SIGNIFICANT * variance;
+        is_found.then(|| (value, math::sqrt(variance)))
     }
 }

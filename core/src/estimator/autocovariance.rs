@@ -12,11 +12,12 @@ use crate::num::math;
 pub const LAGS: usize = 24;
 
 /// Running sums of products of values `x_i` with `x_{i+k}`, relative to a reference.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Correlation {
     /// The first value: all others are kept relative to it.
     reference: f32,
-    count: u32,
+    /// Number of values.
+    pub(super) count: u32,
     sum: DoubleSingle,
     /// The first values, and the last ones, newest first; zero where there are fewer.
     first: [f32; LAGS],
@@ -70,7 +71,6 @@ impl Correlation {
     /// from every covariance. So, with the observed correlations,
     /// `I = (1 + 2 Σ ρ_k) / (1 − 2 (K − Σ ρ_k) / n)`, and the variance of a value is
     /// `(n − 1) / (n − I)` times what it would be for independent values.
-    #[must_use]
     pub(crate) fn inflation(&self, mean: DoubleSingle, variance: f32) -> f32 {
         if variance <= 0.0 {
             return 1.0;
@@ -90,19 +90,6 @@ impl Correlation {
         // Not below a half: the lags are at most a quarter of the values.
         let inflation = (1.0 + 2.0 * sum) / (1.0 - 2.0 * missing / count);
         inflation * (count - 1.0) / (count - math::smaller(inflation, 0.5 * count))
-    }
-}
-
-impl Default for Correlation {
-    fn default() -> Self {
-        Self {
-            reference: 0.0,
-            count: 0,
-            sum: DoubleSingle::ZERO,
-            first: [0.0; LAGS],
-            last: [0.0; LAGS],
-            products: [DoubleSingle::ZERO; LAGS],
-        }
     }
 }
 

@@ -69,7 +69,6 @@ impl Common {
 /// Running mean of one coefficient over events.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Estimator {
-    count: u32,
     /// Plain mean and Σ (x − mean)².
     mean: DoubleSingle,
     squares: DoubleSingle,
@@ -106,9 +105,8 @@ impl Estimator {
         self.correlation.add(value);
         // One event moves a mean by a part of its distance from it: that step may be rounded, the
         // mean is not.
-        let n = self.count as f32;
-        self.count = self.count.saturating_add(1);
-        let share = 1.0 / self.count as f32;
+        let count = self.count();
+        let (n, share) = ((count - 1) as f32, 1.0 / count as f32);
         let from = |mean: DoubleSingle, value: f32| (DoubleSingle::from(value) - mean).rounded();
         let step = from(self.mean, value);
         self.squares += n * share * step * step;
@@ -130,26 +128,26 @@ impl Estimator {
     /// Number of events that count.
     #[must_use]
     pub fn count(&self) -> u32 {
-        self.count
+        self.correlation.count
     }
 
     /// Mean, standard error and spread; `None` without events. The systematic part is that common
     /// to the events, without the inputs.
     #[must_use]
     pub fn estimate(&self) -> Option<Estimate> {
-        if self.count == 0 {
+        if self.count() == 0 {
             return None;
         }
         let (own, mean) = (self.variance.rounded(), self.mean.rounded());
-        let scatter =
-            (self.count > 1).then(|| Scatter::of(self.count, mean, self.squares.rounded(), own));
+        let scatter = (self.count() > 1)
+            .then(|| Scatter::of(self.count(), mean, self.squares.rounded(), own));
         let seen = self.between();
         // With few events the prior counts.
         let between = match scatter {
-            Some(scatter) if self.count <= FEW => larger(scatter.variance - own, 0.0),
+            Some(scatter) if self.count() <= FEW => larger(scatter.variance - own, 0.0),
             _ => seen.unwrap_or_default(),
         };
-        let n = self.count as f32;
+        let n = self.count() as f32;
         let typical = n / self.weight.rounded();
         let lambda = typical / (typical + between);
         let mean = mean + lambda * (self.weighted_mean - self.mean).rounded();
@@ -170,15 +168,15 @@ impl Estimator {
             systematic_std: common_std,
             common_std,
             spread: seen.map(math::sqrt),
-            events: self.count,
+            events: self.count(),
         })
     }
 
     /// Variance between events, without the noise; `None` before two events.
     fn between(&self) -> Option<f32> {
-        let free = (self.count.checked_sub(2)? + 1) as f32;
+        let free = (self.count().checked_sub(2)? + 1) as f32;
         let plain = larger(self.squares.rounded() / free - self.variance.rounded(), 0.0);
-        if self.count <= FEW {
+        if self.count() <= FEW {
             return Some(plain);
         }
         // Σ w − Σ w² / Σ w, without a difference of near equals.
@@ -193,11 +191,11 @@ impl Estimator {
     fn inflation(&self, noise_share: f32) -> f32 {
         const ENOUGH: u32 = 30;
         const NEIGHBOURS: f32 = 0.18;
-        let shared_line = if self.count > 1 { 1.0 + 2.0 * NEIGHBOURS * noise_share } else { 1.0 };
-        if self.count < ENOUGH {
+        let shared_line = if self.count() > 1 { 1.0 + 2.0 * NEIGHBOURS * noise_share } else { 1.0 };
+        if self.count() < ENOUGH {
             return shared_line;
         }
-        let variance = self.squares.rounded() / self.count as f32;
+        let variance = self.squares.rounded() / self.count() as f32;
         larger(self.correlation.inflation(self.mean, variance), shared_line)
     }
 }

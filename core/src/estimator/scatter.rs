@@ -35,7 +35,6 @@ pub(crate) struct Scatter {
 impl Scatter {
     /// From `count` values, two or more, with this mean and sum of squared deviations; `noise` is
     /// the variance of each by its noise.
-    #[must_use]
     pub(crate) fn of(count: u32, mean: f32, squares: f32, noise: f32) -> Self {
         let free = (count.max(2) - 1) as f32;
         if count > FEW {

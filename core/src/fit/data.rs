@@ -25,7 +25,6 @@ pub(crate) struct Samples<'a> {
 
 impl<'a> Samples<'a> {
     /// Samples of equal weight, of a slip whose ends are not known.
-    #[must_use]
     pub(crate) fn new(start: f32, forces_n: &'a [f32]) -> Self {
         let (rest_from, slip) = (f32::INFINITY, (f32::INFINITY, f32::INFINITY));
         Self { start, forces_n, rest_weight: 1.0, rest_from, slip }
@@ -33,7 +32,6 @@ impl<'a> Samples<'a> {
 
     /// Time of the last sample, earlier by the number of missing ones: no later than the last good
     /// sample, wherever samples are missing. Before the first if there is none.
-    #[must_use]
     pub(crate) fn end(&self) -> f32 {
         self.start + self.count() as f32 - 1.0
     }
@@ -75,7 +73,6 @@ pub(crate) struct Priors {
 
 impl Priors {
     /// The prior of each unknown, and the unknown's value.
-    #[must_use]
     pub(crate) fn with_values(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
         let free = Prior::default();
         [

@@ -69,7 +69,7 @@ impl Pass {
     /// The normal equations of a whole pass over data without priors, factored. `None` where they
     /// are singular.
     pub(crate) fn alone(&self) -> Option<Alone> {
-        Some(Alone { factor: self.normal.factor(0.0)?, right: self.normal.right })
+        Some(Alone { factor: self.normal.matrix.factor(0.0)?, right: self.normal.right })
     }
 
     /// Adds the next samples; after the last ones also the lines, and then returns true. `shape` is
@@ -87,7 +87,6 @@ impl Pass {
 
 impl Fitting {
     /// Starts from a guess.
-    #[must_use]
     pub(crate) fn new(guess: &CycleParams) -> Self {
         let cycle = limited(*guess);
         // An infinite cost, so that the guess is accepted whatever it costs.
@@ -98,7 +97,6 @@ impl Fitting {
 
     /// Starts from a guess, with at most `most_steps` steps and this tolerance, as a part of the
     /// noise variance.
-    #[must_use]
     pub(crate) fn brief(guess: &CycleParams, most_steps: u8, settled: f32) -> Self {
         Self { steps: MOST_STEPS.saturating_sub(most_steps), settled, ..Self::new(guess) }
     }
@@ -139,7 +137,9 @@ impl Fitting {
     /// Proposes the next trial, or ends the fit if the step to it is below the tolerance.
     fn propose(&mut self, data: &Data<'_>) -> ControlFlow<Option<Fit>> {
         self.steps += 1;
-        let Some(factor) = self.normal.factor(self.damping) else { return self.refuse() };
+        let Some(factor) = self.normal.matrix.factor(self.damping) else {
+            return self.refuse();
+        };
         let step = factor.solve(&self.normal.right);
         // The expected gain of the step: its squared length in units of the noise.
         let gain = dot(&step, &self.normal.right);
@@ -172,7 +172,8 @@ impl Fitting {
     fn information(&self) -> Option<Factor> {
         // A nearly singular matrix in single precision gets as little damping as it needs.
         const LEAST_HELP: f32 = 1e-5;
-        self.normal.factor(0.0).or_else(|| self.normal.factor(LEAST_HELP))
+        let factor = |damping| self.normal.matrix.factor(damping);
+        factor(0.0).or_else(|| factor(LEAST_HELP))
     }
 
     /// The fit at the cycle so far. `None` if the data do not determine it.
@@ -231,7 +232,6 @@ mod tests {
 
     impl Data<'_> {
         /// Fits from a guess to convergence, see [`Fitting`].
-        #[must_use]
         pub(crate) fn fit(&self, guess: &CycleParams) -> Option<Fit> {
             let mut fitting = Fitting::new(guess);
             loop {

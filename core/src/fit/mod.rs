@@ -17,7 +17,6 @@ pub(crate) mod slip_residuals;
 pub(crate) use data::{Data, Priors, Samples};
 pub(crate) use levenberg_marquardt::Fitting;
 
-use crate::fit::correction::Correction;
 use crate::model::{CycleParams, Shape};
 use crate::stats::normal_equations::{Factor, Gradient, UNKNOWNS, dot};
 use crate::stats::prior::Prior;
@@ -42,10 +41,6 @@ pub(crate) struct Fit {
 /// Variances of the unknowns, in their order, and of `Fp`.
 pub(crate) type Variances = [f32; UNKNOWNS + 1];
 
-/// An oscillation of variance 1 about both lines: `Fs` and `Fe` each have its variance, half the
-/// drop and `Fp` half of it.
-pub(crate) const UNSURE_OSCILLATION: Variances = [0.0, 0.0, 1.0, 0.5, 0.0, 0.0, 0.5];
-
 /// `Fs` and `Fp`, N, with their variances, N².
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Forces {
@@ -59,17 +54,6 @@ pub(crate) struct Forces {
     pub dynamic_n2: f32,
 }
 
-impl Forces {
-    /// Applies a correction found after the fit.
-    pub(crate) fn apply(&mut self, correction: &Correction) {
-        let Correction { moved: [_, _, static_n, half_drop_n, ..], .. } = correction;
-        self.static_n += static_n;
-        self.dynamic_n += static_n - half_drop_n;
-        self.static_n2 += correction.static_n2;
-        self.dynamic_n2 += correction.dynamic_n2;
-    }
-}
-
 /// `Fs` as a combination of the unknowns.
 pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 /// `Fp = Fs − d` as a combination of the unknowns.
@@ -80,7 +64,6 @@ const SWING: Gradient = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 impl Fit {
     /// The unknowns.
-    #[must_use]
     pub(crate) fn cycle(&self) -> &CycleParams {
         self.shape.cycle()
     }
@@ -97,13 +80,6 @@ impl Fit {
     pub(crate) fn scale(&mut self, ratio: f32) {
         let variances = self.variances;
         self.widen(&variances, ratio - 1.0);
-    }
-
-    /// Adds `times` their own variances to those of `Fs`, `d` and `Fp`, for noise with correlated
-    /// neighbours. The variances of the quantities that events share stay the same.
-    pub(crate) fn widen_forces(&mut self, times: f32) {
-        let [_, _, static_n2, half_drop_n2, _, _, dynamic_n2] = self.variances;
-        self.widen(&[0.0, 0.0, static_n2, half_drop_n2, 0.0, 0.0, dynamic_n2], times);
     }
 
     /// Adds `times` the given variances, of errors beyond the noise.
@@ -127,7 +103,6 @@ impl Fit {
     /// The forces without the prior of the loading rate.
     ///
     /// `None` when the event alone does not determine them.
-    #[must_use]
     pub(crate) fn forces_alone(&self, rate: Prior, noise_n2: f32) -> Option<Forces> {
         let Without { tied, gain } = self.without(&RATE, rate)?;
         let [_, _, static_n2, .., dynamic_n2] = self.variances;

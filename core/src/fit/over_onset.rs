@@ -45,7 +45,7 @@ const UNLIKELY: f32 = 1.2e-7;
 
 /// Average over places of the onset, weighted by likelihood. A step is one iteration of the fit at
 /// one place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct OverOnset {
     sums: Sums,
     /// Numbers of places in a period and within the first step.
@@ -62,23 +62,14 @@ pub(crate) struct OverOnset {
 impl OverOnset {
     /// Begins the average for a slip that its best fit does not resolve, with the next slip
     /// `periods` later; else `None`.
-    #[must_use]
     pub(crate) fn new(best: &Fit, knows_omega: bool, noise_n2: f32, periods: f32) -> Option<Self> {
         let fall = best.shape.fall_time();
         let clear = knows_omega && !is_at_edge(&best.shape, noise_n2);
         let least = if clear { RESOLVED } else { CLEARLY_RESOLVED };
         let fine = if fall < RESOLVED { FINE } else { 1 };
         let steps = larger(smaller(periods, MOST), 1.0) as i16;
-        let (sums, from) = (Sums::default(), *best.cycle());
-        (fall < least).then_some(Self {
-            sums,
-            steps,
-            fine,
-            is_open: false,
-            place: 0,
-            from,
-            fitting: None,
-        })
+        let from = *best.cycle();
+        (fall < least).then(|| Self { steps, fine, from, ..Self::default() })
     }
 
     /// One iteration. Breaks with the posterior after the last place.
@@ -98,7 +89,6 @@ impl OverOnset {
     }
 
     /// Is the onset undetermined within a period to either side?
-    #[must_use]
     pub(crate) fn is_open(&self) -> bool {
         self.is_open
     }

@@ -1,6 +1,5 @@
 //! Posterior of one event's unknowns: means and variances.
 
-use crate::fit::correction::Correction;
 use crate::fit::{Fit, Variances};
 use crate::model::CycleParams;
 
@@ -31,14 +30,12 @@ pub(crate) struct Posterior {
 
 impl Posterior {
     /// Variances of `Fs` and of `Fp`, N².
-    #[must_use]
     pub(crate) fn forces_n2(&self) -> (f32, f32) {
         let [_, _, static_n2, .., dynamic_n2] = self.variances;
         (static_n2, dynamic_n2)
     }
 
     /// Variance of the swing, periods².
-    #[must_use]
     pub(crate) fn swing_variance(&self) -> f32 {
         let [.., swing, _, _] = self.variances;
         swing
@@ -52,7 +49,6 @@ impl Posterior {
     }
 
     /// Is the slip resolved: long enough for the samples, with a known swing?
-    #[must_use]
     #[inline(never)]
     pub(crate) fn is_resolved(&self) -> bool {
         let most = SWING_KNOWN * self.cycle.inverse_omega();
@@ -62,28 +58,11 @@ impl Posterior {
     /// Does the slip determine the swing well enough for the next events? `variance` is that of its
     /// swing without the prior. In a slip of less than two periods one sample leaves an error of
     /// the swing that is not normal and does not average out over such events.
-    #[must_use]
     pub(crate) fn determines_swing(&self, variance: f32) -> bool {
         // Relative standard deviation of a well-known swing.
         const WELL: f32 = 0.08;
         let well = WELL * self.cycle.inverse_omega();
         self.is_resolved() && (self.fall_time > CLEAR || variance < well * well)
-    }
-
-    /// Applies a correction found after the fit.
-    pub(crate) fn apply(&mut self, correction: &Correction) {
-        let Correction {
-            moved: [onset, rate, static_n, half_drop_n, inverse_omega, rate_change],
-            ..
-        } = correction;
-        let c = &mut self.cycle;
-        c.onset += onset;
-        c.rate += rate;
-        c.static_n += static_n;
-        c.half_drop_n += half_drop_n;
-        c.omega = 1.0 / (c.inverse_omega() + inverse_omega);
-        c.rate_change += rate_change;
-        self.widen(correction.static_n2, correction.dynamic_n2);
     }
 
     /// Adds the uncertainty of a slip that may have begun anywhere within a period before and
@@ -100,7 +79,6 @@ impl Posterior {
     }
 
     /// The posterior at the best fit, for a noise of this variance, N².
-    #[must_use]
     pub(crate) fn at(fit: &Fit, noise_n2: f32) -> Self {
         let variances = fit.variances.map(|variance| noise_n2 * variance);
         let (fall_time, common_n2) = (fit.shape.fall_time(), (0.0, 0.0));

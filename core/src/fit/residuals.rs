@@ -9,7 +9,7 @@ use crate::stats::quantile::Quantile;
 ///
 /// The variance is their mean square over all degrees of freedom, without events that fit badly (an
 /// incomplete first slip, a fall that is no slip).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Residuals {
     squares_n2: f32,
     free: f32,
@@ -37,7 +37,7 @@ impl Residuals {
         let skew = 1.0 - 2.0 / (9.0 * math::larger(free, 1.0));
         // Limits outliers among the first events, so that the median recovers from them.
         let most_n2 = LIMIT * ROUGH * rough_n2;
-        self.median_n2.add(math::smaller(squares_n2 / (free * skew * skew * skew), most_n2));
+        self.median_n2.add(math::smaller(squares_n2 / (free * skew * skew * skew), most_n2), 0.5);
         let limit = LIMIT * self.usual_n2(rough_n2);
         if self.free > MEMORY {
             self.squares_n2 *= 0.5;
@@ -59,7 +59,6 @@ impl Residuals {
     ///
     /// `rough_n2` is a rough variance of the noise, for the first events; `rounding_n2` that of
     /// rounding to single precision.
-    #[must_use]
     pub(crate) fn is_outlier(
         &self,
         squares_n2: f32,
@@ -77,13 +76,11 @@ impl Residuals {
     }
 
     /// Number of pooled degrees of freedom.
-    #[must_use]
     pub(crate) fn free(&self) -> f32 {
         self.free
     }
 
     /// Variance of the noise, N²; `None` before the first event.
-    #[must_use]
     pub(crate) fn variance_n2(&self) -> Option<f32> {
         (self.free >= 1.0).then(|| self.squares_n2 / self.free)
     }
@@ -91,7 +88,6 @@ impl Residuals {
 
 /// The square of Birge's ratio, if significantly above 1: an event's own mean square residual over
 /// the noise variance; else 1. What the model lacks in one event it seldom lacks in the next.
-#[must_use]
 pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
     // Standard errors.
     const SIGNIFICANT: f32 = 4.0;
@@ -101,12 +97,6 @@ pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
         return 1.0;
     }
     1.0 + more * surely(more, SIGNIFICANT * math::sqrt(2.0 / free))
-}
-
-impl Default for Residuals {
-    fn default() -> Self {
-        Self { squares_n2: 0.0, free: 0.0, median_n2: Quantile::new(0.5) }
-    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,6 @@ use crate::stats::normal_equations::{Gradient, dot, scaled};
 
 /// Squared rate of the force at the part `part` of a slip's time, relative to its largest value and
 /// without the winch's own rate: `(4 x (1 − x))²`, close to `sin² πx`; zero outside the slip.
-#[must_use]
 pub(crate) fn steepness(part: f32) -> f32 {
     let root = 4.0 * part * (1.0 - part);
     if root > 0.0 { root * root } else { 0.0 }
@@ -79,7 +78,6 @@ impl Data<'_> {
     /// `λ Σ g w² (A⁻¹ u)(A⁻¹ u)ᵀ`. The scatter may be the same in every slip. The prior of the
     /// swing then has the same error and does not reduce it, so for the forces `A` is the matrix
     /// without that prior.
-    #[must_use]
     pub(crate) fn slip_residuals(
         &self,
         fit: &Fit,

@@ -46,7 +46,6 @@ pub struct Shift {
 
 impl Corner {
     /// Are the corners sharp?
-    #[must_use]
     pub(crate) fn is_sharp(&self) -> bool {
         !MAY_BE_ROUND || self.smoothing <= 0.0 && self.missing_n <= 0.0
     }

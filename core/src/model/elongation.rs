@@ -18,13 +18,11 @@ pub(crate) struct Elongation {
 
 impl Elongation {
     /// Does the cable sag?
-    #[must_use]
     pub(crate) fn sags(&self) -> bool {
         Effects::COMPILED.has(Effect::Sag) && self.softness > 0.0
     }
 
     /// The elongation by a force, N.
-    #[must_use]
     #[inline(always)]
     pub(crate) fn of(&self, force_n: f32) -> f32 {
         if self.sags() { self.of_sagging(force_n) } else { force_n }
@@ -42,7 +40,6 @@ impl Elongation {
     }
 
     /// The force, N, with this elongation: Newton's method, from below.
-    #[must_use]
     pub(crate) fn force_n(&self, elongation_n: f32) -> f32 {
         // One more than the test of this file needs: with two, its 150 N come out .6 N too low.
         const STEPS: u8 = 4;
@@ -57,7 +54,6 @@ impl Elongation {
     }
 
     /// Derivative of the force by the elongation.
-    #[must_use]
     pub(crate) fn stiffness(&self, force_n: f32) -> f32 {
         1.0 / (1.0 + self.softness / (force_n * force_n * force_n))
     }

@@ -76,7 +76,6 @@ impl CycleParams {
     }
 
     /// Swing `1/ω`: the time in which the phase of the slide advances by one radian.
-    #[must_use]
     pub(crate) fn inverse_omega(&self) -> f32 {
         1.0 / self.omega
     }
@@ -88,7 +87,6 @@ impl CycleParams {
     }
 
     /// Does the cable stay taut?
-    #[must_use]
     #[inline(never)]
     pub(crate) fn is_taut(&self) -> bool {
         let (q, centre_n) = (self.rate / self.omega, self.dynamic_n());

@@ -58,39 +58,33 @@ impl CycleParams {
 
 impl Shape {
     /// Time of sliding (25), or up to the stop on a slack cable.
-    #[must_use]
     pub(crate) fn slide_time(&self) -> f32 {
         self.slide
     }
 
     /// Time from the onset in which the force depends on the slide: up to the stop, or until the
     /// cable goes slack.
-    #[must_use]
     pub(crate) fn fall_time(&self) -> f32 {
         self.arc
     }
 
     /// Time from the onset to the largest force, `φ / ω`.
-    #[must_use]
     pub(crate) fn peak_time(&self) -> f32 {
         self.phase / self.cycle.omega
     }
 
     /// Time at which the block rests again.
-    #[must_use]
     pub(crate) fn stop(&self) -> f32 {
         self.cycle.onset + self.slide
     }
 
     /// Time at which the next stick line starts: later than the stop if the block
     /// stops on a slack cable.
-    #[must_use]
     pub(crate) fn loads(&self) -> f32 {
         self.cycle.onset + self.slack.map_or(self.slide, |slack| larger(self.slide, slack.taut))
     }
 
     /// The cycle.
-    #[must_use]
     pub(crate) fn cycle(&self) -> &CycleParams {
         &self.cycle
     }
@@ -136,7 +130,6 @@ impl Shape {
     }
 
     /// On the stick line before the slip, continued to any time.
-    #[must_use]
     pub(crate) fn before(&self, since_onset: f32) -> (f32, Gradient) {
         let c = &self.cycle;
         (c.static_n + c.rate * since_onset, [-c.rate, since_onset, 1.0, 0.0, 0.0, 0.0])
@@ -156,7 +149,6 @@ impl Shape {
     }
 
     /// On the stick line after the slip, continued to any time.
-    #[must_use]
     pub(crate) fn after(&self, since_onset: f32) -> (f32, Gradient) {
         let c = &self.cycle;
         let Rest { time, by, force_n, force_by } = self.rest();

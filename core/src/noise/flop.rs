@@ -58,13 +58,11 @@ struct Early {
 
 impl FlopProfile {
     /// Have all samples the same variance?
-    #[must_use]
     pub(crate) fn is_flat(&self) -> bool {
         self.excess <= 0.0
     }
 
     /// Variance of a sample of this age, periods, over that of a late one.
-    #[must_use]
     #[inline(always)]
     pub(crate) fn variance(&self, age: f32) -> f32 {
         if self.is_flat() { 1.0 } else { self.early_variance(age) }
@@ -76,7 +74,6 @@ impl FlopProfile {
 
     /// Standard deviation of the first samples of a stick over that of late ones. The excess has
     /// the relative standard error of its moment, whose terms scatter by their mean square.
-    #[must_use]
     pub(crate) fn parameter(&self) -> Parameter {
         let (all, chance) = self.moment();
         let scatter = math::sqrt(chance) * (1.0 + all / self.early.sums[0]);

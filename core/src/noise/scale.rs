@@ -80,7 +80,6 @@ const ROUNDING: f32 = 4e-7;
 
 impl Noise {
     /// Before the first sample.
-    #[must_use]
     pub(crate) fn new() -> Self {
         Self {
             newest_n: f32::NAN,
@@ -89,10 +88,10 @@ impl Noise {
             fitted_n: 0.0,
             fits: 0,
             repeats: false,
-            innovation: Quantile::new(0.5),
-            upper: Quantile::new(0.75),
-            time_asymmetry: TimeAsymmetry::new(),
-            second_difference: Quantile::new(0.5),
+            innovation: Quantile::default(),
+            upper: Quantile::default(),
+            time_asymmetry: TimeAsymmetry::default(),
+            second_difference: Quantile::default(),
             oscillation: WithoutOscillation::default(),
             row: [f32::NAN; 3],
         }
@@ -100,9 +99,9 @@ impl Noise {
 
     /// Takes an innovation, N, already divided by its standard deviation in units of a sample's.
     pub(crate) fn add_innovation(&mut self, innovation_n: f32) {
-        self.innovation.add(innovation_n.abs());
+        self.innovation.add(innovation_n.abs(), 0.5);
         if self.fits == 0 {
-            self.upper.add(innovation_n.abs());
+            self.upper.add(innovation_n.abs(), 0.75);
         }
     }
 
@@ -141,7 +140,7 @@ impl Noise {
         let second = (c - 2.0 * d + e).abs();
         // False for NaN as well.
         if second < most_n {
-            self.second_difference.add(second);
+            self.second_difference.add(second, 0.5);
         }
         // The others give the noise until the fits do.
         if self.fits >= TRUSTED {
@@ -162,7 +161,6 @@ impl Noise {
     ///
     /// Neither is below that of rounding to the resolution, nor below the rounding error of a force
     /// of this size. Infinite before enough samples.
-    #[must_use]
     pub(crate) fn std_n(&self, force_n: f32) -> (f32, f32) {
         let floor = larger(self.hidden_n, ROUNDING * force_n.abs());
         let innovation = self.innovation.over(MEDIAN);

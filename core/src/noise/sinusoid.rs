@@ -73,7 +73,7 @@ impl Sinusoid {
                 }
                 (c, s) = (c * cos - s * sin, s * cos + c * sin);
             }
-            let Some(factor) = normal.factor(0.0) else { return found };
+            let Some(factor) = normal.matrix.factor(0.0) else { return found };
             let [by_cosine, by_sine, faster, ..] = factor.solve(&normal.right);
             found.cosine_n += by_cosine;
             found.sine_n += by_sine;

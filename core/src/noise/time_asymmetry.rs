@@ -7,7 +7,7 @@ use crate::num::math::smaller;
 use crate::stats::quantile::Quantile;
 
 /// Compares rises and falls, until the fits give the noise.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TimeAsymmetry {
     /// Mean of the recent steps, N, which is subtracted: a force that is let go falls evenly.
     drift_n: f32,
@@ -25,18 +25,6 @@ pub(crate) struct TimeAsymmetry {
 }
 
 impl TimeAsymmetry {
-    pub(crate) const fn new() -> Self {
-        Self {
-            drift_n: 0.0,
-            steepest_n: 0.0,
-            usual_n: Quantile::new(0.75),
-            falls: 0.0,
-            rises: 0.0,
-            squares: 0.0,
-            fall_n: 0.0,
-        }
-    }
-
     /// Takes a step from one sample to the next, N.
     pub(crate) fn add(&mut self, step_n: f32) {
         const MEMORY: f32 = 16.0;
@@ -54,7 +42,7 @@ impl TimeAsymmetry {
     fn end_run(&mut self, size_n: f32, falls: bool) {
         /// Largest steepest step that counts, in upper quartiles: no spike decides alone.
         const MOST: f32 = 3.0;
-        self.usual_n.add(size_n);
+        self.usual_n.add(size_n, 0.75);
         let Some(usual_n) = self.usual_n.value().filter(|&usual_n| usual_n > 0.0) else { return };
         let size = smaller(size_n / usual_n, MOST);
         let score = size * size * size;

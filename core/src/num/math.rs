@@ -13,14 +13,8 @@
 //! | [`acos`] | from root and [`atan2`] | 2 ulp |
 //! | [`exp`] | here | 2 ulp |
 //! | [`ln`] | here | 2 ulp |
-//! | [`rough_sqrt`] | micromath | 6.1 % relative: for detection limits only |
-#![allow(
-    clippy::disallowed_methods,
-    clippy::disallowed_types,
-    reason = "this is the one place that may call them"
-)]
-
-use micromath::F32Ext;
+//! | [`rough_sqrt`] | here | 6.1 % relative: for detection limits only |
+#![allow(clippy::disallowed_methods, reason = "this is the one place that may call them")]
 
 use crate::num::bits;
 
@@ -151,5 +145,5 @@ pub fn smaller(a: f32, b: f32) -> f32 {
 /// For limits that are themselves rough ('six sigma'), never for a result.
 #[must_use]
 pub fn rough_sqrt(x: f32) -> f32 {
-    F32Ext::sqrt(x)
+    bits::rough_sqrt(x)
 }

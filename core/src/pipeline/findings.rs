@@ -23,7 +23,7 @@ impl Pipeline {
         let (mu_s, mu) = self.estimates(&known);
         Report {
             counters: self.counters,
-            events: self.events,
+            events: self.cycles.events(),
             mu_s,
             mu,
             noise_n: self.noise_n().map(|noise_n| noise_n * self.block_root),

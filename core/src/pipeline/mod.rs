@@ -98,7 +98,6 @@ pub struct Pipeline {
     largest_n: f32,
     /// Relative standard deviation of the weight due to changes of the block, mean over the events.
     weight_std: f32,
-    events: u32,
     /// The newest change.
     change: Option<Change>,
     /// Onset of the newest event, unless a stretch without an event follows it; number of the
@@ -124,7 +123,6 @@ impl Pipeline {
             momentum: config.winch_m_per_s.map_or(f32::NAN, |w| w * config.mass_kg() * rate_hz),
             slope: math::sin_cos(config.slope_rad),
             rate_hz,
-            effects: config.effects,
         };
         Ok(Self {
             config: *config,
@@ -132,18 +130,17 @@ impl Pipeline {
             counters: Counters::default(),
             next: 0,
             last_hidden: None,
-            spikes: SpikeFilter::new(),
+            spikes: SpikeFilter::default(),
             decimator,
             block_root: math::sqrt(decimator.factor()),
             derivative: Central::new(config.rate_hz),
             detector: Detector::new(rate_hz, config.effects),
-            cycles: CycleTracker::new(site),
+            cycles: CycleTracker::new(site, config.effects),
             mu_s: Estimator::default(),
             mu: Estimator::default(),
             drift: Kept::default(),
             largest_n: 0.0,
             weight_std: 0.0,
-            events: 0,
             change: None,
             stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
             last_onset: None,
@@ -198,7 +195,10 @@ impl Pipeline {
 
     /// Takes a block of good samples through the detector and the cycles.
     fn block(&mut self, block: ForcePoint, step: &mut Step) {
-        let transition = self.detect(block);
+        if self.stretches.take(block) {
+            self.detector.stays_below(self.stretches.ceiling_n());
+        }
+        let transition = self.detector.step(block.index, block.force_n, self.cycles.is_full());
         // For most samples nothing has happened, and no fit is under way.
         if transition.is_none() && self.cycles.is_idle() {
             return;
@@ -212,36 +212,18 @@ impl Pipeline {
         }
     }
 
-    fn detect(&mut self, sample: ForcePoint) -> Option<Transition> {
-        if self.stretches.take(sample) {
-            self.detector.stays_below(self.stretches.ceiling_n());
-        }
-        self.detector.step(sample.index, sample.force_n, self.cycles.is_full())
-    }
-
     /// Passes the detector's transition to the cycles; their first answer and their event go into
     /// the step.
     fn follow(&mut self, transition: Option<Transition>, step: &mut Step) {
         // A cancelled fall does not end a constant force.
-        let highest = match transition {
-            Some(Transition::Restick { peak, .. }) => Some(peak),
-            Some(Transition::Lost) => Some(self.detector.ended().highest),
-            None | Some(Transition::Onset | Transition::Cancelled) => None,
-        };
-        if let Some(highest) = highest {
+        if let Some(Transition::Restick { .. } | Transition::Lost) = transition {
+            let highest = self.detector.ended().highest;
             let is_new = self.detector.is_up_to_date();
             self.stretches.interrupt(is_new.then(|| highest.index.saturating_sub(1)));
             self.detector.stays_below(None);
         }
         let mut answers = Answers::default();
-        match transition {
-            None | Some(Transition::Onset | Transition::Cancelled) => {}
-            Some(Transition::Restick { peak, low }) => {
-                self.cycles.restick(&self.detector, (peak, low), self.last_hidden, &mut answers);
-            }
-            Some(Transition::Lost) => self.cycles.lose(&self.detector, &mut answers),
-        }
-        self.cycles.work(&self.detector, &mut answers);
+        self.cycles.follow(&self.detector, transition, self.last_hidden, &mut answers);
         step.provisional = answers.first;
         if let Some(finished) = answers.finished {
             self.count(finished, step);

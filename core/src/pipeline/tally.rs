@@ -30,7 +30,6 @@ impl Pipeline {
             self.detector.creeps(self.cycles.creep_periods());
         }
         self.take_onset(onset, event.stick_s.is_some());
-        self.events = self.events.saturating_add(1);
         if let Some(change) = change {
             let onset = self.decimator.moment(change.onset);
             self.change = Some(Change { onset, ..change });

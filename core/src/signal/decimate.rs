@@ -32,7 +32,6 @@ pub(crate) struct Decimator {
 
 impl Decimator {
     /// For a rate of 1 to 2000 Hz.
-    #[must_use]
     pub(crate) fn new(rate_hz: f32) -> Self {
         let factor = -math::floor(-rate_hz / FASTEST_HZ) as u32;
         let factor = NonZeroU32::new(factor).unwrap_or(NonZeroU32::MIN);
@@ -42,19 +41,16 @@ impl Decimator {
     }
 
     /// Samples per block.
-    #[must_use]
     pub(crate) fn factor(&self) -> f32 {
         self.factor.get() as f32
     }
 
     /// Is a block more than a sample?
-    #[must_use]
     pub(crate) fn averages(&self) -> bool {
         self.factor > NonZeroU32::MIN
     }
 
     /// Block of an index.
-    #[must_use]
     pub(crate) fn block(&self, index: u32) -> u32 {
         index / self.factor
     }
@@ -116,7 +112,6 @@ impl Decimator {
 
     /// A moment in blocks, as a moment in samples: a block's mean belongs to the middle
     /// of its samples.
-    #[must_use]
     pub(crate) fn moment(&self, blocks: SampleTime) -> SampleTime {
         if !self.averages() {
             return blocks;

@@ -26,7 +26,7 @@ const FADE: f32 = 0.5;
 const LONGEST_SPAN: u32 = 4;
 
 /// Holds one sample back.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SpikeFilter {
     before: ForcePoint,
     held: ForcePoint,
@@ -50,18 +50,6 @@ pub(crate) enum Judged {
 }
 
 impl SpikeFilter {
-    /// Before the first sample.
-    #[must_use]
-    pub(crate) fn new() -> Self {
-        Self {
-            before: ForcePoint::default(),
-            held: ForcePoint::default(),
-            count: 0,
-            rises: Quantile::new(0.75),
-            last_rise_n: 0.0,
-        }
-    }
-
     /// Takes a sample and judges the one before it, by the standard deviation of the noise, N
     /// (infinite: nothing is a spike yet), and the usual drop of a slip, N.
     pub(crate) fn step(&mut self, sample: ForcePoint, noise_n: f32, drop_n: f32) -> Judged {
@@ -80,7 +68,7 @@ impl SpikeFilter {
         }
         self.before = held;
         if left > 0.0 && held.index == before.index + 1 {
-            self.rises.add(left);
+            self.rises.add(left, 0.75);
             self.last_rise_n = larger(left, FADE * self.last_rise_n);
         }
         Judged::Good(held)
@@ -114,7 +102,7 @@ mod tests {
 
     /// Index of the spike after a rise of 10 N a sample to 500 N.
     fn spike_in(forces: [f32; 6], noise_n: f32) -> Option<usize> {
-        let mut filter = SpikeFilter::new();
+        let mut filter = SpikeFilter::default();
         let rise = (0..20).map(|i| 300.0 + 10.0 * i as f32);
         rise.chain(forces).enumerate().fold(None, |found, (i, force_n)| {
             match filter.step(ForcePoint { index: i as u32, force_n }, noise_n, DROP_N) {
@@ -139,7 +127,7 @@ mod tests {
 
     #[test]
     fn the_first_slip_after_a_held_cable_has_no_spikes() {
-        let mut filter = SpikeFilter::new();
+        let mut filter = SpikeFilter::default();
         // Held, with some noise; pulled; and a slip that shows a single sample at either end.
         let held = (0..200).map(|i| 300.0 + 2.0 * (i % 3) as f32);
         let pulled = (1..4).map(|i| 300.0 + 370.0 * i as f32);
@@ -158,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_steep_saw_has_no_spikes() {
-        let mut filter = SpikeFilter::new();
+        let mut filter = SpikeFilter::default();
         for i in 0..300 {
             let force_n = 200.0 + 225.0 * (i as f32 * (2.0 / 7.0)).fract() * 3.5;
             let judged = filter.step(ForcePoint { index: i, force_n }, NOISE_N, DROP_N);

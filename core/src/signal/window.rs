@@ -18,7 +18,6 @@ pub(crate) struct Window {
 
 impl Window {
     /// An empty window.
-    #[must_use]
     pub(crate) fn new() -> Self {
         Self { forces_n: [f32::NAN; WINDOW], end: 0, first: 0 }
     }
@@ -47,13 +46,11 @@ impl Window {
     }
 
     /// One past the newest index; 0 before the first sample.
-    #[must_use]
     pub(crate) fn end(&self) -> u32 {
         self.end
     }
 
     /// Force at an index, if it is in the window and was good.
-    #[must_use]
     pub(crate) fn get(&self, index: u32) -> Option<f32> {
         let inside = self.end.wrapping_sub(index).wrapping_sub(1) < WINDOW as u32;
         let force_n = self.forces_n.get(slot(index)).copied();
@@ -73,7 +70,6 @@ impl Window {
     }
 
     /// The index, or the oldest one in the window if that is later.
-    #[must_use]
     #[inline(never)]
     pub(crate) fn first_from(&self, index: u32) -> u32 {
         index.max(self.first).max(self.end.saturating_sub(WINDOW as u32))

@@ -25,9 +25,9 @@ const SIGNIFICANT: f32 = 3.0;
 const TREND: f32 = 5.0;
 /// Standard deviations beyond which an event is an outlier (normal: one in 5e8).
 const FAR_OFF: f32 = 6.0;
-/// Number of outliers in a row with which the quantity has changed, and the past is dropped. A
-/// pause of the winch spoils a stick line, and with it the two events that share it.
-const CHANGED: u8 = 3;
+/// Number of outliers in a row with which a quantity has changed, or all of them, and the past is
+/// dropped. A pause of the winch spoils a stick line, and with it the two events that share it.
+pub(crate) const CHANGED: u8 = 3;
 
 /// Running mean of a quantity that events share, its trend, and its variance between events.
 ///
@@ -141,7 +141,6 @@ impl FadingTrend {
     }
 
     /// Expected value of the next event; `None` before the first event.
-    #[must_use]
     pub(crate) fn mean(&self) -> Option<f32> {
         (self.count > 0.0).then_some(self.now.0)
     }
@@ -168,14 +167,12 @@ impl FadingTrend {
     }
 
     /// Have two events measured it?
-    #[must_use]
     pub(crate) fn is_known(&self) -> bool {
         self.count >= LEAST_EVENTS
     }
 
     /// Prior of the next event. The weight is `noise_n2` over the variance between events plus that
     /// of the mean; zero before two events.
-    #[must_use]
     #[inline(never)]
     pub(crate) fn prior(&self, noise_n2: f32) -> Prior {
         if !self.is_known() {
@@ -192,7 +189,6 @@ impl FadingTrend {
     }
 
     /// Prior of a quantity that is zero unless the mean of the events is significant.
-    #[must_use]
     pub(crate) fn prior_around_zero(&self, noise_n2: f32) -> Prior {
         let prior = self.prior(noise_n2);
         let mean = self.line.level_n;

@@ -4,7 +4,6 @@
 /// remainders up to `tolerance` taken for zero. Zero where it is less than eight times that, as for
 /// arbitrary numbers. Every turn of the inner loop halves the remainder: there are at most 32
 /// turns, and one a number.
-#[must_use]
 pub(crate) fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32 {
     const CLEAR: f32 = 8.0;
     let (mut first, mut spacing) = (None, f32::INFINITY);

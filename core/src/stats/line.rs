@@ -5,6 +5,8 @@
 //! difference of two large sums, so neither a large force nor a long stick costs precision.
 //! Constant memory.
 
+use crate::num::math::larger;
+
 /// Sums of a straight line through weighted points.
 ///
 /// Times are in sampling periods from an origin that the owner keeps, forces in
@@ -94,20 +96,17 @@ impl Line {
     }
 
     /// Slope, N per period; `None` with fewer than two different times.
-    #[must_use]
     #[inline(always)]
     pub(crate) fn slope(&self) -> Option<f32> {
         (self.tt > 0.0).then_some(self.slope)
     }
 
     /// Weight of the slope: Σ w (t − mean)².
-    #[must_use]
     pub(crate) fn slope_weight(&self) -> f32 {
         self.tt
     }
 
     /// Force on the line of the given slope through the mean point, N.
-    #[must_use]
     #[inline(always)]
     pub(crate) fn at(&self, time: f32, slope: f32) -> f32 {
         self.level_n + slope * (time - self.time)
@@ -115,7 +114,6 @@ impl Line {
 
     /// Variance of the line at a time, in units of the variance of a point of
     /// weight one; infinite without points.
-    #[must_use]
     #[inline(always)]
     pub(crate) fn leverage(&self, time: f32) -> f32 {
         if self.weight <= 0.0 {
@@ -126,8 +124,13 @@ impl Line {
         1.0 / self.weight + turn
     }
 
+    /// Weighted sum of squared residuals of the best line, N², and their degrees of freedom where the
+    /// sum of the weights is their number.
+    pub(crate) fn residuals(&self) -> (f32, f32) {
+        (self.residual_n2, larger(self.weight - 2.0, 0.0))
+    }
+
     /// Weighted sum of squared residuals of the best line, N².
-    #[must_use]
     pub(crate) fn residual(&self) -> f32 {
         self.residual_n2
     }

@@ -34,7 +34,6 @@ pub(crate) fn surely(size: f32, limit: f32) -> f32 {
 /// `mean` and `variance` are the fitted ones; the precisions subtract. `None` when no more than the
 /// part `least` of the fitted precision is the event's own; up to twice that part its precision is
 /// reduced.
-#[must_use]
 pub(crate) fn without_prior(
     mean: f32,
     variance: f32,

@@ -2,16 +2,14 @@
 
 use crate::num::math::{larger, smaller};
 
-/// A running quantile of positive numbers.
-#[derive(Clone, Copy, Debug)]
+/// A running quantile of positive numbers, of the same probability at each: a half or more.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Quantile {
     value: f32,
     count: u32,
     /// The largest half of the first numbers, in descending order: the quantile, of a probability
     /// of a half or more, is among them.
     largest: [f32; FEWEST as usize / 2],
-    /// Probability of the quantile.
-    part: f32,
 }
 
 /// Final relative step of a quantile: it settles to 8 % within a hundred samples.
@@ -24,44 +22,42 @@ const LEAST: f32 = 1e-6;
 const FEWEST: u32 = 8;
 
 impl Quantile {
-    /// For a probability of a half or more.
-    #[must_use]
-    pub(crate) const fn new(part: f32) -> Self {
-        Self { value: 0.0, count: 0, largest: [0.0; FEWEST as usize / 2], part }
-    }
-
-    /// Takes a number at or above zero.
-    pub(crate) fn add(&mut self, size: f32) {
-        if self.count >= SETTLED { self.follow(size, SMALLEST_GAIN) } else { self.start(size) }
+    /// Takes a number at or above zero; `part` is the probability of the quantile.
+    pub(crate) fn add(&mut self, size: f32, part: f32) {
+        if self.count >= SETTLED {
+            self.follow(size, part, SMALLEST_GAIN);
+        } else {
+            self.start(size, part);
+        }
     }
 
     /// Moves the value by factors that balance when the part `part` of the numbers lies below it.
     #[inline(always)]
-    fn follow(&mut self, size: f32, gain: f32) {
+    fn follow(&mut self, size: f32, part: f32, gain: f32) {
         self.value = if size > self.value {
             // A value of zero (a noiseless start) cannot grow by a factor: it grows to a thousandth
             // of the number. But at most it doubles, for a knock is no noise.
             let least = smaller(1e-3 * size, 2.0 * self.value + LEAST);
-            larger(self.value * (1.0 + gain * self.part), least)
+            larger(self.value * (1.0 + gain * part), least)
         } else {
-            self.value / (1.0 + gain * (1.0 - self.part))
+            self.value / (1.0 + gain * (1.0 - part))
         };
     }
 
     /// Sorts the first eight numbers, whose quantile is the initial estimate; after them the steps
     /// are larger at first.
-    fn start(&mut self, mut size: f32) {
+    fn start(&mut self, mut size: f32, part: f32) {
         if self.count >= FEWEST {
             self.count += 1;
             let gain = larger(4.0 / self.count as f32, SMALLEST_GAIN);
-            return self.follow(size, gain);
+            return self.follow(size, part, gain);
         }
         for entry in &mut self.largest {
             (*entry, size) = (larger(*entry, size), smaller(*entry, size));
         }
         self.count += 1;
         // Meaningful once there are all eight.
-        let smaller_ones = (self.part * (FEWEST - 1) as f32 + 0.5) as u32;
+        let smaller_ones = (part * (FEWEST - 1) as f32 + 0.5) as u32;
         let place = (FEWEST - 1).saturating_sub(smaller_ones);
         self.value = self.largest.get(place as usize).copied().unwrap_or(size);
     }
@@ -69,7 +65,6 @@ impl Quantile {
     /// The quantile over a number, times a factor of caution; infinite until eight numbers were
     /// seen. An estimate from few numbers may be far too small: the factor is 2 at the eighth and
     /// falls to 1 at the fortieth.
-    #[must_use]
     #[inline(always)]
     pub(crate) fn over(&self, number: f32) -> f32 {
         if self.count >= SETTLED { self.value / number } else { self.early_over(number) }
@@ -85,7 +80,6 @@ impl Quantile {
     }
 
     /// The quantile so far; `None` until eight numbers were seen.
-    #[must_use]
     pub(crate) fn value(&self) -> Option<f32> {
         (self.count >= FEWEST).then_some(self.value)
     }

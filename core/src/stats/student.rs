@@ -9,7 +9,6 @@ use crate::num::math;
 /// `ln(t/z)` is a smooth function of `1/freedom` that begins with `(z² + 1)/4`, as the
 /// expansion of Cornish and Fisher has it; the other three factors are a least-squares fit
 /// from 1 to 300 degrees of freedom, right within 0.06 %.
-#[must_use]
 pub(crate) fn t95(freedom: f32) -> f32 {
     const MANY: f32 = 1.959_964;
     let x = 1.0 / math::larger(freedom, 1.0);

@@ -5,6 +5,7 @@
 
 mod steady_force;
 
+use crate::detector::LONGEST_GAP;
 use crate::event::{Event, Reason};
 use crate::num::math;
 use crate::sample::{ForcePoint, SampleTime};
@@ -14,8 +15,6 @@ use steady_force::{Steady, SteadyForce};
 const LARGEST_SCATTER: f32 = 0.06;
 /// Largest scatter of a constant force that has to rise before a slip: more may be slips.
 const QUIET_SCATTER: f32 = 0.01;
-/// Longest gap within a stretch, periods: the detector's, for a slip may hide in a longer one.
-const LONGEST_GAP: u32 = 8;
 
 /// A stretch of samples that belongs to no event.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,12 +10,12 @@ use crate::effects::corner::CornerEstimator;
 use crate::effects::mass_change::Verdict;
 use crate::effects::scatter::SlipScatter;
 use crate::event::Reason;
-use crate::fit::correction::Correction;
+use crate::fit::correction::UNSURE_OSCILLATION;
 use crate::fit::levenberg_marquardt::Pass;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::excess_ratio;
-use crate::fit::{Priors, UNSURE_OSCILLATION};
+use crate::fit::{Priors, rounding_n2};
 use crate::model::elongation::Elongation;
 use crate::num::math::{larger, smaller};
 use crate::stats::prior::Prior;
@@ -31,9 +31,10 @@ impl CycleFit {
         let data = slip.data(&self.priors, &self.after);
         let (squares_n2, free) = own_residuals(&data, fit);
         // Without the residuals of the line after the slip: that line fits whatever the slip does.
-        let (line_n2, points) = (self.after.residual(), larger(self.after.weight - 2.0, 0.0));
+        let (line_n2, points) = self.after.residuals();
         let around_n2 = squares_n2 - line_n2;
-        let misfit = learnt.is_misfit(slip, around_n2, free - points);
+        let usual_n2 = (slip.noise_n2, rounding_n2(slip.peak.force_n));
+        let misfit = learnt.residuals.is_outlier(around_n2, free - points, usual_n2);
         let is_other = fit.by_rate_n2(data.priors.rate) > SURE * SURE * noise_n2;
         learnt.contradict(misfit || is_other);
         let counts = free >= 1.0 && !misfit;
@@ -172,14 +173,6 @@ impl Measured {
             forces.dynamic_n = self.posterior.cycle.dynamic_n() + off_n;
             forces.static_n2 *= at_onset * at_onset;
             forces.dynamic_n2 *= mean * mean;
-        }
-    }
-
-    /// Applies a correction found after the fit.
-    pub(crate) fn apply(&mut self, correction: &Correction) {
-        self.posterior.apply(correction);
-        if let Some(forces) = &mut self.alone {
-            forces.apply(correction);
         }
     }
 }

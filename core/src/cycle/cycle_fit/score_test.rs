@@ -2,9 +2,13 @@
 
 use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Terms};
 use crate::cycle::expectations::Expectations;
+use crate::cycle::slip_record::SlipRecord;
 use crate::effects::corner::ask;
 use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
+use crate::fit::{Data, Priors};
+use crate::noise::ripple::ColoredNoise;
+use crate::stats::line::Line;
 
 /// Levels per step of the score test: twelve take 60 of the 62 units of a sample's time
 /// (`next_takes`).
@@ -58,7 +62,28 @@ impl CycleFit {
     }
 }
 
+impl SlipRecord {
+    /// The data for the score test of force terms. Where the force bends down before the onset, the
+    /// lines do not follow the bend: creep may cause it, and would not show about lines that follow
+    /// it.
+    pub(crate) fn asked<'a>(&'a self, priors: &'a Priors, after: &'a Line) -> Data<'a> {
+        let mut data = self.data(priors, after);
+        if self.wander.creeps {
+            data.wander = ColoredNoise::NONE.into();
+        }
+        data
+    }
+}
+
 impl Measured {
+    /// Applies a correction found after the fit.
+    pub(crate) fn apply(&mut self, correction: &Correction) {
+        self.posterior.apply(correction);
+        if let Some(forces) = &mut self.alone {
+            forces.apply(correction);
+        }
+    }
+
     /// Applies a correction found after the fit whose error is the same in every event.
     fn share(&mut self, correction: &Correction) {
         self.apply(correction);

@@ -55,13 +55,12 @@ pub(crate) fn of_fall(
 ) -> Option<Reason> {
     let noise_n = math::sqrt(slip.noise_n2);
     let drop_n = slip.peak.force_n - slip.low.force_n;
-    let (from, to) = slip.rough.edges;
     // A cable does not push; half the highest force is room for an error of the zero.
     if slip.low.force_n < -0.5 * slip.peak.force_n.abs() {
         return Some(Reason::Negative);
     }
     let near_zero_n = math::smaller(SURE * noise_n + slip.rough.rate, NEAR_ZERO * drop_n);
-    if !slides && to - from < INSTANT && slip.low.force_n.abs() < near_zero_n {
+    if !slides && !takes_time(slip) && slip.low.force_n.abs() < near_zero_n {
         return Some(Reason::LetGo);
     }
     if even_fall::is_even(slip, swing, after) {

@@ -60,7 +60,6 @@ impl RootStiffnessRatio {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effect::Effects;
 
     /// DFF8-13: `k w` of 360 N/s, a swing of a 19th of a second.
     #[test]
@@ -74,7 +73,6 @@ mod tests {
                 momentum: mass_kg * winch_m_per_s * hz,
                 slope: (0.0, 1.0),
                 rate_hz: hz,
-                effects: Effects::NONE,
             };
             let (rate, swing) = (rate_n_per_s / hz / stretched, stretched * hz / omega);
             let variance = |value: f32| std * std * value * value;

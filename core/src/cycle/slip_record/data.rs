@@ -3,7 +3,6 @@
 use crate::cycle::slip_record::SlipRecord;
 use crate::fit::levenberg_marquardt::SAMPLES_A_STEP;
 use crate::fit::{Data, Priors};
-use crate::noise::ripple::ColoredNoise;
 use crate::stats::line::Line;
 
 impl SlipRecord {
@@ -12,17 +11,6 @@ impl SlipRecord {
     pub(crate) fn data<'a>(&'a self, priors: &'a Priors, after: &'a Line) -> Data<'a> {
         let (before, samples, wander) = (&self.before, self.samples(), self.wander);
         Data { before, samples, after, wander, priors }
-    }
-
-    /// The data for the score test of force terms. Where the force bends down before the onset, the
-    /// lines do not follow the bend: creep may cause it, and would not show about lines that follow
-    /// it.
-    pub(crate) fn asked<'a>(&'a self, priors: &'a Priors, after: &'a Line) -> Data<'a> {
-        let mut data = self.data(priors, after);
-        if self.wander.creeps {
-            data.wander = ColoredNoise::NONE.into();
-        }
-        data
     }
 
     /// Time of one pass over samples and lines, in units of 160 instructions on the board.

@@ -111,11 +111,6 @@ impl Rough {
     }
 }
 
-/// Squared residuals about a stick line, N², and their degrees of freedom.
-fn residuals(line: &Line) -> (f32, f32) {
-    (line.residual(), larger(line.weight - 2.0, 0.0))
-}
-
 impl SlipRecord {
     /// Times, periods, of the highest and the lowest sample.
     pub(crate) fn extremes(&self) -> (f32, f32) {
@@ -142,7 +137,7 @@ impl SlipRecord {
     pub(crate) fn quieter_n2(&self, after: &Line) -> f32 {
         // Tuned: with one degree of freedom the few samples of a brief line lie on it by chance.
         const BRIEF: f32 = 3.0;
-        let own_n2 = |line| self.mean_n2(residuals(line), BRIEF);
+        let own_n2 = |line: &Line| self.mean_n2(line.residuals(), BRIEF);
         smaller(own_n2(&self.before), own_n2(after))
     }
 
@@ -155,7 +150,7 @@ impl SlipRecord {
     /// Squared residuals about the stick lines before and after, N², and their degrees of freedom.
     #[inline(never)]
     pub(crate) fn line_residuals(&self, after: &Line) -> (f32, f32) {
-        let [before, after] = [&self.before, after].map(residuals);
+        let [before, after] = [&self.before, after].map(Line::residuals);
         (before.0 + after.0, before.1 + after.1)
     }
 

@@ -6,8 +6,6 @@ mod initial_guess;
 mod oscillation;
 mod shorten;
 
-use core::ops::Range;
-
 use crate::cycle::slip_record::extremes::{Extreme, Rough};
 pub(crate) use crate::cycle::slip_record::initial_guess::GUESSED;
 use crate::detector::{Detector, Stick};
@@ -28,9 +26,6 @@ const PI: f32 = core::f32::consts::PI;
 
 /// Most samples between the two stick lines, 384 bytes: at 16 Hz a slip may take six seconds.
 const CORE: usize = 96;
-
-/// Most samples of a line in elongation: two such lines take a third of a step's time.
-const MOST_OF_LINE: u32 = 24;
 
 /// Standard deviations of the noise beyond which a difference is significant: a normal variable
 /// exceeds them once in 16 000.
@@ -247,31 +242,6 @@ impl SlipRecord {
                 if let Some(force_n) = window.get(index) {
                     line.add(since(self.origin, index), force_n, 1.0, 1.0);
                 }
-            }
-        }
-        line
-    }
-
-    /// Sets `late`, the line of the later half of the rest before the slip. Its rate and the
-    /// duration of the rest determine the sag. Of a cable known to sag the line before the slip is
-    /// refitted to the whole rest in elongation, where it is straight, so no slope variance is
-    /// left.
-    pub(crate) fn take_late(&mut self, window: &Window, stick: &Stick) {
-        let half = (stick.next - stick.origin) / 2;
-        self.late = self.line_of(window, stick.next - half..stick.next).into();
-        if self.elongation.sags() {
-            self.before = self.line_of(window, stick.origin..stick.next);
-            self.wander.update(|wander| wander.slope = 0.0);
-        }
-    }
-
-    /// The line of a part of a rest; of a long part, through samples evenly spread over it.
-    fn line_of(&self, window: &Window, rest: Range<u32>) -> Line {
-        let mut line = Line::default();
-        let each = (rest.end - rest.start) / MOST_OF_LINE + 1;
-        for index in rest.step_by(each as usize) {
-            if let Some(force_n) = window.get(index) {
-                line.add(since(self.origin, index), self.elongation.of(force_n), 1.0, 1.0);
             }
         }
         line

@@ -88,7 +88,6 @@ pub(crate) struct Mass {
 
 impl Mass {
     /// During a suspicion, the trend of the swing from before the suspect.
-    #[must_use]
     pub(crate) fn before_suspect(&self) -> Option<&FadingTrend> {
         if let State::Suspect(kept, _) = &self.state { Some(kept) } else { None }
     }

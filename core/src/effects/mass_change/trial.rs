@@ -36,13 +36,11 @@ impl Mass {
     }
 
     /// The weight in use over the given one.
-    #[must_use]
     pub(crate) fn weight_ratio(&self) -> f32 {
         self.weight().value
     }
 
     /// The weight in use over the given one, and the relative standard deviation of the ratio.
-    #[must_use]
     pub(crate) fn weight_ratio_and_std(&self) -> (f32, f32) {
         let Ratio { value, variance } = self.weight();
         (value, math::sqrt(variance + self.doubt * self.doubt))

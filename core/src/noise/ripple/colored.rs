@@ -52,13 +52,11 @@ impl ColoredNoise {
     };
 
     /// Does the force depart from its lines by white noise alone?
-    #[must_use]
     pub(crate) fn is_none(&self) -> bool {
         self.level + self.line_excess + self.unsure <= 0.0
     }
 
     /// Is there an oscillation that may be the cable's or the cell's?
-    #[must_use]
     pub(crate) fn is_disputed(&self) -> bool {
         self.angle > 0.0
     }
@@ -71,7 +69,6 @@ impl ColoredNoise {
     }
 
     /// White noise's part of the variance of a sample about the line.
-    #[must_use]
     pub(crate) fn white_share(&self) -> f32 {
         1.0 / (1.0 + self.level)
     }

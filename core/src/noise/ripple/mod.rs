@@ -115,14 +115,12 @@ impl Ripple {
     }
 
     /// Standard deviation of the departures from the lines beyond white noise, N, if significant.
-    #[must_use]
     pub(crate) fn parameter(&self) -> Option<Parameter> {
         let (value, std) = self.past.stray_n()?;
         Some(Parameter { name: "stray_n", value, std })
     }
 
     /// The colored noise that the innovations show; none unless it is significant.
-    #[must_use]
     pub(crate) fn wander(&self) -> ColoredNoise {
         self.past.wander()
     }
