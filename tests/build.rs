@@ -104,10 +104,9 @@ fn widened_line(line: &str) -> Result<String, String> {
         let after = rest.split_once(')').map_or("", |(_name, after)| after);
         wide = format!("{before}true{after}");
     }
-    // Single precision suffices for a rough root.
-    let rough = "f64::from(floe_core::num::math::rough_sqrt(x as f32))";
-    let wide = wide.replace("use crate::num::bits;", "").replace("bits::rough_sqrt(x)", rough);
-    let wide = wide.replace("bits::", "libm::");
+    // micromath has single precision only, which suffices for a rough root.
+    let wide = wide.replace("use crate::num::bits;", "").replace("bits::", "libm::");
+    let wide = wide.replace("F32Ext::sqrt(x)", "f64::from(F32Ext::sqrt(x as f32))");
     Ok(wide.replace("crate::", "crate::wide::"))
 }
 

@@ -80,7 +80,7 @@ fn outside_the_range() {
 
 #[test]
 fn the_rough_root_is_never_too_small() {
-    let rough = function("rough_sqrt", "floe");
+    let rough = function("rough_sqrt", "micromath");
     let arguments = (0..100_000).map(|i| rough.argument(i, 100_000));
     for x in arguments {
         assert!(math::rough_sqrt(x) >= 0.9999 * math::sqrt(x), "{x}");

@@ -61,11 +61,6 @@ fn small_root(x: f32) -> f32 {
     sqrt(x * (SCALE * SCALE)) / SCALE
 }
 
-/// Square root from half the exponent, with the mantissa cut by a straight line: up to 6 % too large.
-pub(super) fn rough_sqrt(x: f32) -> f32 {
-    if x >= 0.0 { f32::from_bits((x.to_bits() + ONE) >> 1) } else { f32::NAN }
-}
-
 /// Exponential function: `2^k e^r` with `|r| ≤ ½ ln 2`; zero below the smallest normal number.
 pub(super) fn exp(x: f32) -> f32 {
     // ln 2 in two parts, the first so short that its multiples up to some hundred are exact.

@@ -13,8 +13,14 @@
 //! | [`acos`] | from root and [`atan2`] | 2 ulp |
 //! | [`exp`] | here | 2 ulp |
 //! | [`ln`] | here | 2 ulp |
-//! | [`rough_sqrt`] | here | 6.1 % relative: for detection limits only |
-#![allow(clippy::disallowed_methods, reason = "this is the one place that may call them")]
+//! | [`rough_sqrt`] | micromath | 6.1 % relative: for detection limits only |
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    reason = "this is the one place that may call them"
+)]
+
+use micromath::F32Ext;
 
 use crate::num::bits;
 
@@ -145,5 +151,5 @@ pub fn smaller(a: f32, b: f32) -> f32 {
 /// For limits that are themselves rough ('six sigma'), never for a result.
 #[must_use]
 pub fn rough_sqrt(x: f32) -> f32 {
-    bits::rough_sqrt(x)
+    F32Ext::sqrt(x)
 }

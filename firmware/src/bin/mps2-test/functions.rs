@@ -39,7 +39,7 @@ pub const FUNCTIONS: [Function; 23] = [
     new("sqrt", "libm", SQUARES, libm::sqrtf),
     new("sqrt", "micromath", SQUARES, F32Ext::sqrt),
     new("sqrt", "hardware", SQUARES, hardware::sqrt),
-    new("rough_sqrt", "floe", SQUARES, math::rough_sqrt),
+    new("rough_sqrt", "micromath", SQUARES, math::rough_sqrt),
     new("sin", "floe", ANGLES, |x| math::sin_cos(x).0),
     new("sin", "libm", ANGLES, |x| libm::sincosf(x).0),
     new("sin", "micromath", ANGLES, F32Ext::sin),
