@@ -53,7 +53,7 @@ impl Pipeline {
             if let Some(it) = estimate {
                 // Friction that scatters decides in part which events have a coefficient: on average
                 // the others may differ from these by as much as these do from each other.
-                let others = 1.0 - it.events as f32 / self.events as f32;
+                let others = 1.0 - it.events as f32 / self.cycles.events() as f32;
                 let choice_std = others * it.spread.unwrap_or_default();
                 it.common_std = math::hypotenuse(it.common_std, choice_std);
                 it.systematic_std = math::hypotenuse(it.common_std, math::sqrt(variance));
