@@ -22,7 +22,7 @@ pub(super) fn require(ok: bool, message: impl FnOnce() -> String) -> Result<(), 
 /// Returns an error unless `value` is finite and above zero.
 pub(super) fn positive(name: &str, value: f64) -> Result<(), SceneError> {
     require(value.is_finite() && value > 0.0, || {
-        format!("{name} = {value}: must be a number above zero")
+        format!("{name} = {}: must be a number above zero", short(value))
     })
 }
 
@@ -37,7 +37,7 @@ pub(super) fn above_zero(name: &str, value: f64, most: f64) -> Result<(), SceneE
 /// Returns an error unless `value` is finite and not negative.
 pub(super) fn not_negative(name: &str, value: f64) -> Result<(), SceneError> {
     require(value.is_finite() && value >= 0.0, || {
-        format!("{name} = {value}: must be a number not below zero")
+        format!("{name} = {}: must be a number not below zero", short(value))
     })
 }
 
