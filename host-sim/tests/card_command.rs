@@ -202,3 +202,18 @@ fn columns_and_units_of_a_card_are_not_chosen() {
         assert_refused(&output, &[&said]);
     }
 }
+
+/// A card is read twice, which a pipe does not allow.
+#[cfg(unix)]
+#[test]
+fn a_card_does_not_come_by_a_pipe() {
+    let dir = directory("pipe");
+    let piped = |input: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
+        command.current_dir(&dir).args(["recover", input, "-o", "tests"]);
+        command.stdin(std::process::Stdio::piped()).output().unwrap()
+    };
+    assert_refused(&piped("-"), &["-: ", "name its FLOE.LOG, or an image of it"]);
+    assert_refused(&piped("/dev/stdin"), &["/dev/stdin: ", "copy it into a file first"]);
+    assert!(!dir.join("tests").exists());
+}

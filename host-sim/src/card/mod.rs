@@ -99,8 +99,10 @@ impl Test {
 /// # Errors
 /// The input cannot be read, or contains no record.
 pub fn tests(mut input: impl Read + Seek) -> Result<(Vec<Test>, Found), InputError> {
-    // Some devices deliver bytes endlessly; they have no end to seek to.
-    let end = input.seek(SeekFrom::End(0)).map_err(|error| InputError::unreadable(&error))?;
+    // Some devices deliver bytes endlessly; they and pipes have no end to seek to.
+    let end = input.seek(SeekFrom::End(0)).map_err(|error| {
+        InputError::new(format!("no file and no card: copy it into a file first ({error})"))
+    })?;
     input.seek(SeekFrom::Start(0)).map_err(|error| InputError::unreadable(&error))?;
     let found = sectors::scan(&mut input.by_ref().take(end), |_, _, _| {})?;
     if found.places.is_empty() {
