@@ -83,7 +83,7 @@ impl Scene {
     fn validate_weighing(&self, weighing: &Weighing) -> Result<(), SceneError> {
         between("weighing.swing_deg", weighing.swing_deg, 0.0, 60.0)?;
         positive("weighing.length_m", weighing.length_m)?;
-        not_negative("weighing.damping_per_s", weighing.damping_per_s)?;
+        between("weighing.damping_per_s", weighing.damping_per_s, 0.0, 1000.0)?;
         let others = self.of_motion().into_iter().filter(|(name, on)| *on && *name != "weighing");
         let others: Vec<&str> = others.map(|(name, _)| name).collect();
         require(others.is_empty(), || {
@@ -237,6 +237,39 @@ mod tests {
                 .into_iter()
                 .any(|(year, day)| starts(year, day))
         );
+    }
+
+    /// Such scenes were computed for hours, too.
+    #[test]
+    fn what_is_too_fine_to_compute_is_refused() {
+        let with = |term: &str| {
+            let text = toml::to_string(&Scene::default()).unwrap();
+            Scene::from_toml(&(text + term)).unwrap_err().to_string()
+        };
+        for (term, said) in [
+            (
+                "[rocking]\nfraction = 0.1\nratio = 1e9",
+                "rocking.ratio = 1e9: must be above zero, at most 1000",
+            ),
+            (
+                "[along_slip]\nfraction = 0.1\nlength_m = 1e-300",
+                "along_slip.length_m = 1e-300: must be a number not below 0.00001",
+            ),
+            (
+                "[measurement.lag]\ntime_s = 1e-9",
+                "measurement.lag.time_s = 0.000000001: must be a number not below 0.00001",
+            ),
+            (
+                "[rate_dependence]\nreference_m_per_s = 1e-30\nper_decade = 0.02",
+                "rate_dependence.reference_m_per_s = 1e-30: must be a number not below 1e-12",
+            ),
+            (
+                "[weighing]\nswing_deg = 5\nlength_m = 3\ndamping_per_s = 1e9",
+                "weighing.damping_per_s = 1e9: must be 0 to 1000",
+            ),
+        ] {
+            assert!(with(term).starts_with(said), "{}", with(term));
+        }
     }
 
     #[test]
