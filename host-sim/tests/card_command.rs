@@ -217,3 +217,12 @@ fn a_card_does_not_come_by_a_pipe() {
     assert_refused(&piped("/dev/stdin"), &["/dev/stdin: ", "copy it into a file first"]);
     assert!(!dir.join("tests").exists());
 }
+
+#[test]
+fn a_compressed_image_is_said_to_be_one() {
+    let dir = directory("packed");
+    fs::write(dir.join("card.img.gz"), b"\x1F\x8B\x08\x08 and what gzip makes of a card").unwrap();
+    let refused = floe(&dir, &["recover", "card.img.gz", "-o", "tests"]);
+    let why = "card.img.gz: is compressed: unpack it first, gunzip -c FILE > card.img";
+    assert_refused(&refused, &[why]);
+}
