@@ -64,12 +64,24 @@ struct List {
     is_silent: bool,
     /// Numbers of the test and in it of the last event.
     last: Option<(u32, u32)>,
+    /// The board's last complaint, without its numbers.
+    complained: String,
 }
 
 impl List {
     fn new(form: Form, save: Option<Save>) -> Self {
         let (state, lines) = (State::default(), Lines::default());
-        Self { state, lines, form, save, told: None, asked: None, is_silent: false, last: None }
+        Self {
+            state,
+            lines,
+            form,
+            save,
+            told: None,
+            asked: None,
+            is_silent: false,
+            last: None,
+            complained: String::new(),
+        }
     }
 
     /// Handles an event of the port; returns whether standard output still has a reader.
@@ -144,6 +156,9 @@ impl List {
             }
             let event = self.state.take(&received, now);
             self.tell_damage();
+            if let Some(words) = self.complaint() {
+                say(&format!("the board says: {words}"));
+            }
             let Some(event) = event else { continue };
             if let Some(words) = self.new_test(event.index) {
                 say(&words);
@@ -153,6 +168,13 @@ impl List {
             }
         }
         Ok(true)
+    }
+
+    /// A new complaint of the board; one that comes again with other numbers is none.
+    fn complaint(&mut self) -> Option<String> {
+        let (words, _) = self.state.complaint.take()?;
+        let bare = words.chars().filter(|letter| !letter.is_ascii_digit()).collect();
+        (std::mem::replace(&mut self.complained, bare) != self.complained).then_some(words)
     }
 
     /// The words before the first event of another test, whose numbers begin anew.
@@ -268,5 +290,18 @@ mod tests {
         assert_eq!(said, [false, false, false, false, true, false]);
         start(&mut list, 2);
         assert_eq!(list.new_test(2).as_deref(), Some("events of test 2"));
+    }
+
+    /// A converter that is silent says so with every sample.
+    #[test]
+    fn a_complaint_is_said_once() {
+        let mut list = List::new(Form::Plain, None);
+        let mut said = |words: &str| {
+            list.state.complaint = Some((words.to_string(), Duration::ZERO));
+            list.complaint()
+        };
+        let said = ["sample 9: silent", "sample 10: silent", "FLOE.LOG is full"].map(&mut said);
+        assert_eq!(said, [Some("sample 9: silent".into()), None, Some("FLOE.LOG is full".into())]);
+        assert_eq!(list.complaint(), None);
     }
 }
