@@ -126,9 +126,10 @@ fn what_is_assumed_and_what_is_there_twice_is_said() {
     let output = floe(&folder, &["campaign", ".", "--json"]);
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{error}");
-    assert!(error.contains("DFF8-13: column 'force' has no unit: taken as N"), "{error}");
-    assert!(error.contains("DFF8-13 and again give the same numbers"), "{error}");
+    assert!(error.contains("note: ./a.csv: column 'force' has no unit: taken as N"), "{error}");
+    assert!(error.contains("./a.csv and ./b.csv give the same numbers"), "{error}");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["records"][0]["path"], "./a.csv");
     assert_eq!(json["records"][0]["warnings"].as_array().map(Vec::len), Some(1));
     assert_eq!(json["records"][1]["warnings"].as_array().map(Vec::len), Some(0));
     fs::write(folder.join("b.csv"), log).unwrap();

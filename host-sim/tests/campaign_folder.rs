@@ -77,7 +77,7 @@ fn a_log_counts_once() {
     fs::write(folder.join("tests.csv"), "file,weight_n,test_id\ny.csv,700,again\n").unwrap();
     let (found, said) = json(&folder, &["."]);
     assert_eq!(found["tests"], 2);
-    assert!(said.contains("again and DFF8-13 give the same numbers, force by force"), "{said}");
+    assert!(said.contains("./y.csv and ./x.csv give the same numbers, force by force"), "{said}");
     // Two columns of one file are two tests.
     let two = LOG.replace("time_s,force_n", "time_s,a_n,b_n");
     let two: String = two
@@ -189,4 +189,23 @@ fn where_no_log_can_be_used_an_older_table_of_events_stays() {
     fs::write(folder.join("pull.csv"), "time_s,force_n\n").unwrap();
     assert_refused(&campaign(&folder, &arguments), &["pull.csv: no samples"]);
     assert_eq!(fs::read(folder.join(arguments[2])).unwrap(), table);
+}
+
+/// More tests than are listed: the JSON has no place for what is doubtful about each.
+#[test]
+fn notes_are_not_said_to_be_where_they_are_not() {
+    let folder = directory("many");
+    for i in 0..201 {
+        let log = format!("# weight_n: 630\ntime_s,force\n0,{i}\n0.0625,1\n");
+        fs::write(folder.join(format!("{i:03}.csv")), log).unwrap();
+    }
+    let (found, said) = json(&folder, &["."]);
+    assert_eq!((&found["tests"], &found["records"]), (&201.into(), &serde_json::json!([])));
+    assert!(said.contains("note: ./000.csv: column 'force' has no unit"), "{said}");
+    assert!(said.contains("floe: and 181 more notes\n"), "{said}");
+    let table = text(&campaign(&folder, &["."]).stdout);
+    assert!(
+        table.starts_with("201 tests, too many to list: --parquet has their events\n"),
+        "{table}"
+    );
 }

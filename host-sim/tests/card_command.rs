@@ -202,3 +202,27 @@ fn columns_and_units_of_a_card_are_not_chosen() {
         assert_refused(&output, &[&said]);
     }
 }
+
+/// A card is read twice, which a pipe does not allow.
+#[cfg(unix)]
+#[test]
+fn a_card_does_not_come_by_a_pipe() {
+    let dir = directory("pipe");
+    let piped = |input: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
+        command.current_dir(&dir).args(["recover", input, "-o", "tests"]);
+        command.stdin(std::process::Stdio::piped()).output().unwrap()
+    };
+    assert_refused(&piped("-"), &["-: ", "name its FLOE.LOG, or an image of it"]);
+    assert_refused(&piped("/dev/stdin"), &["/dev/stdin: ", "copy it into a file first"]);
+    assert!(!dir.join("tests").exists());
+}
+
+#[test]
+fn a_compressed_image_is_said_to_be_one() {
+    let dir = directory("packed");
+    fs::write(dir.join("card.img.gz"), b"\x1F\x8B\x08\x08 and what gzip makes of a card").unwrap();
+    let refused = floe(&dir, &["recover", "card.img.gz", "-o", "tests"]);
+    let why = "card.img.gz: is compressed: unpack it first, gunzip -c FILE > card.img";
+    assert_refused(&refused, &[why]);
+}

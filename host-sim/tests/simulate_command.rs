@@ -157,3 +157,31 @@ fn a_replay_finds_the_truth_to_the_bound() {
         assert!((0.4..1.1).contains(&ratio), "{name}: {ratio}");
     }
 }
+
+/// Replacing a file needs no right to write to it: who made it read-only is not asked.
+#[test]
+fn a_file_that_is_read_only_stays() {
+    let folder = folder("read_only");
+    let scene = scene("dff8-13.toml");
+    floe(&folder, &["simulate", &scene, "-o", "log.csv", "--duration-s", "5"]);
+    floe(&folder, &["replay", "log.csv", "--json", "result.json"]);
+    for (file, again) in [
+        ("log.csv", vec!["simulate", &scene, "-o", "log.csv"]),
+        ("result.json", vec!["replay", "log.csv", "--json", "result.json"]),
+    ] {
+        let path = folder.join(file);
+        let before = fs::read(&path).unwrap();
+        let mut rights = fs::metadata(&path).unwrap().permissions();
+        rights.set_readonly(true);
+        fs::set_permissions(&path, rights).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
+        let output = command.current_dir(&folder).args(again).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(
+            said.starts_with(&format!("floe: {file}: is there already and read-only; ")),
+            "{said}"
+        );
+        assert_eq!(fs::read(&path).unwrap(), before);
+    }
+}

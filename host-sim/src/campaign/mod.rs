@@ -31,6 +31,8 @@ pub struct TestRecord {
     pub test: u32,
     /// Name of the test.
     pub test_id: String,
+    /// The log; `null` for a simulated test.
+    pub path: Option<String>,
     /// Weight of the block, N.
     pub weight_n: f64,
     /// Pull rate, m/s, if known.
@@ -72,6 +74,17 @@ pub struct TestRecord {
 }
 
 impl TestRecord {
+    /// What is doubtful about the log, each with the name of the file.
+    pub fn doubts(&self) -> impl Iterator<Item = String> {
+        self.warnings.iter().map(|it| format!("{}: {it}", self.file()))
+    }
+
+    /// The log, or the name of a simulated test.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        self.path.as_deref().unwrap_or(&self.test_id)
+    }
+
     /// Whether another test has exactly the same forces, like a copy of the log.
     #[must_use]
     pub fn is_same_as(&self, other: &Self) -> bool {

@@ -222,6 +222,7 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
         campaign: 0,
         test,
         test_id: notes.test_id.or(result.test.test_id).unwrap_or(name.into_owned()),
+        path: Some(path.display().to_string()),
         weight_n: result.test.weight_n,
         winch_m_per_s: entry.test.winch_m_per_s.or(said.winch_m_per_s),
         slope_rad: result.test.slope_rad,

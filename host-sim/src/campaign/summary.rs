@@ -164,7 +164,7 @@ impl Summary {
 
     fn list(&self) -> String {
         if self.records.is_empty() {
-            return String::new();
+            return format!("{} tests, too many to list: --parquet has their events\n", self.tests);
         }
         const LONGEST: usize = 48;
         let longest = self.records.iter().map(|test| test.test_id.chars().count()).max();

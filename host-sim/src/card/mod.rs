@@ -19,6 +19,7 @@ use floe_firmware::sample::Sample;
 use floe_firmware::settings::Settings;
 
 use crate::error::InputError;
+use crate::log::open::unpacker;
 use stretch::{Next, Reached};
 
 pub use sectors::{Found, Place, is_log};
@@ -99,16 +100,26 @@ impl Test {
 /// # Errors
 /// The input cannot be read, or contains no record.
 pub fn tests(mut input: impl Read + Seek) -> Result<(Vec<Test>, Found), InputError> {
-    // Some devices deliver bytes endlessly; they have no end to seek to.
-    let end = input.seek(SeekFrom::End(0)).map_err(|error| InputError::unreadable(&error))?;
+    // Some devices deliver bytes endlessly; they and pipes have no end to seek to.
+    let end = input.seek(SeekFrom::End(0)).map_err(|error| {
+        InputError::new(format!("no file and no card: copy it into a file first ({error})"))
+    })?;
     input.seek(SeekFrom::Start(0)).map_err(|error| InputError::unreadable(&error))?;
     let found = sectors::scan(&mut input.by_ref().take(end), |_, _, _| {})?;
     if found.places.is_empty() {
-        return Err(no_record(&found));
+        return Err(packed(&mut input).unwrap_or_else(|| no_record(&found)));
     }
     let mut tests = put_together(&found.places, |place| read_at(&mut input, place.offset))?;
     name(&mut tests);
     Ok((tests, found))
+}
+
+/// The remedy for a compressed image.
+fn packed(input: &mut (impl Read + Seek)) -> Option<InputError> {
+    let mut head = Vec::new();
+    input.seek(SeekFrom::Start(0)).and_then(|_| input.take(16).read_to_end(&mut head)).ok()?;
+    let tool = unpacker(&head)?;
+    Some(InputError::new(format!("is compressed: unpack it first, {tool} FILE > card.img")))
 }
 
 /// Recordings from the records at these positions, which are in order.

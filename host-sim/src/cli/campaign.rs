@@ -130,11 +130,11 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     for problem in &left_out {
         output::say(&format!("left out: {problem}"));
     }
-    if let Source::Logs(logs) = &source {
-        tell_notes(logs, &tests);
-    }
     let seed = args.logs.is_none().then_some(args.seed);
     let summary = Summary { left_out, ..Summary::new(&tests, events, seed) };
+    if let Source::Logs(logs) = &source {
+        tell_notes(logs, &tests, !summary.records.is_empty());
+    }
     write(args, &summary, &tests)?;
     older.tell();
     tell_counts(&summary, started.elapsed());
@@ -171,17 +171,18 @@ fn refuse_other_table(args: &Args) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Prints the files left out, the assumptions about the logs, and logs with equal numbers.
-fn tell_notes(logs: &Logs, tests: &[TestRecord]) {
+/// Prints the files not read, the assumptions about the logs, and logs with equal numbers. The JSON
+/// has the assumptions where the tests are `listed`.
+fn tell_notes(logs: &Logs, tests: &[TestRecord], listed: bool) {
     const MOST: usize = 20;
-    let said = tests
-        .iter()
-        .flat_map(|test| test.warnings.iter().map(|it| format!("{}: {it}", test.test_id)));
+    let said = tests.iter().flat_map(TestRecord::doubts);
     let mut notes: Vec<String> = logs.notes.iter().cloned().chain(said).collect();
     for (later, test) in tests.iter().enumerate() {
         if let Some(first) = tests.iter().take(later).find(|it| it.is_same_as(test)) {
-            let alike = first.test_id == test.test_id;
-            let [first, second] = [first, test].map(|it| name_of(it, logs, alike));
+            // Two forces of one log are two tests.
+            let one_log = first.path == test.path;
+            let [first, second] =
+                [first, test].map(|it| if one_log { &it.test_id } else { it.file() });
             notes.push(format!(
                 "{first} and {second} give the same numbers, force by force: is a log there twice?"
             ));
@@ -191,17 +192,10 @@ fn tell_notes(logs: &Logs, tests: &[TestRecord]) {
         output::say(&format!("note: {note}"));
     }
     if notes.len() > MOST {
-        output::say(&format!(
-            "and {} more notes; --json has those of the logs",
-            notes.len() - MOST
-        ));
+        let more = notes.len() - MOST;
+        let where_else = if listed { "; --json has those of the logs" } else { "" };
+        output::say(&format!("and {more} more notes{where_else}"));
     }
-}
-
-/// The name of a test, or of its log where two tests have the same name.
-fn name_of(test: &TestRecord, logs: &Logs, alike: bool) -> String {
-    let entry = logs.entries.get(test.test as usize).filter(|_| alike);
-    entry.map_or_else(|| test.test_id.clone(), |entry| entry.path.display().to_string())
 }
 
 /// Evaluates every test in order; the events go to the Parquet table if there is one, the tests
@@ -239,6 +233,7 @@ fn without_events(test: &TestRecord) -> TestRecord {
     TestRecord {
         events: Vec::new(),
         test_id: test.test_id.clone(),
+        path: test.path.clone(),
         kind: test.kind.clone(),
         track: test.track.clone(),
         start_time: test.start_time.clone(),

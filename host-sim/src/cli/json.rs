@@ -76,7 +76,7 @@ impl Json {
 }
 
 /// A result with a line end.
-fn write(result: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
+pub(super) fn write(result: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
     result.serialize(Pretty::new(out)).map_err(|failure| failure.0)?;
     out.write_all(b"\n")?;
     out.flush()

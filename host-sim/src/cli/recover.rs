@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::card::{self, Test};
 use crate::error::InputError;
 
-use super::input::open_file;
+use super::input::{STANDARD, open_file};
 use super::output;
 
 /// Recover the tests of a logger's card, as CSV
@@ -35,6 +35,10 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), InputError> {
     output::check_folder(&args.output, &[])?;
     let place = args.input.display();
+    if args.input == Path::new(STANDARD) {
+        let why = "a card cannot come by standard input: name its FLOE.LOG, or an image of it";
+        return Err(InputError::new(why).within(place));
+    }
     let read = open_file(&args.input, false).and_then(card::tests);
     let (tests, found) = read.map_err(|e| e.within(&place))?;
     output::make_folder(&args.output)?;

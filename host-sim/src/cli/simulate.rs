@@ -12,7 +12,7 @@ use crate::sim::truth_file::TruthBuilder;
 use crate::sim::{Method, Run, Scene, write};
 
 use super::provenance::command_line;
-use super::{output, progress};
+use super::{json, output, progress};
 
 /// Simulate a test: a log with known truth
 #[derive(Clone, Debug, clap::Args)]
@@ -68,8 +68,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     })?;
     if let Some(path) = &args.truth {
         let truth = truth.finish(&scene, args.seed, &run);
-        let json = serde_json::to_string_pretty(&truth).map_err(|e| in_scene(&e))?;
-        output::replace(path, &(json + "\n"))?;
+        output::stream(path, |out| json::write(&truth, out))?;
     }
     older.tell();
     output::print(&summary(args, &scene, samples, run.events().len()))

@@ -62,12 +62,26 @@ struct List {
     asked: Option<Duration>,
     /// Whether the silence of the board was reported.
     is_silent: bool,
+    /// Numbers of the test and in it of the last event.
+    last: Option<(u32, u32)>,
+    /// The board's last complaint, without its numbers.
+    complained: String,
 }
 
 impl List {
     fn new(form: Form, save: Option<Save>) -> Self {
         let (state, lines) = (State::default(), Lines::default());
-        Self { state, lines, form, save, told: None, asked: None, is_silent: false }
+        Self {
+            state,
+            lines,
+            form,
+            save,
+            told: None,
+            asked: None,
+            is_silent: false,
+            last: None,
+            complained: String::new(),
+        }
     }
 
     /// Handles an event of the port; returns whether standard output still has a reader.
@@ -142,13 +156,33 @@ impl List {
             }
             let event = self.state.take(&received, now);
             self.tell_damage();
-            if let Some(event) = event
-                && !self.print(&event)?
-            {
+            if let Some(words) = self.complaint() {
+                say(&format!("the board says: {words}"));
+            }
+            let Some(event) = event else { continue };
+            if let Some(words) = self.new_test(event.index) {
+                say(&words);
+            }
+            if !self.print(&event)? {
                 return Ok(false);
             }
         }
         Ok(true)
+    }
+
+    /// A new complaint of the board; one that comes again with other numbers is none.
+    fn complaint(&mut self) -> Option<String> {
+        let (words, _) = self.state.complaint.take()?;
+        let bare = words.chars().filter(|letter| !letter.is_ascii_digit()).collect();
+        (std::mem::replace(&mut self.complained, bare) != self.complained).then_some(words)
+    }
+
+    /// The words before the first event of another test, whose numbers begin anew.
+    fn new_test(&mut self, index: u32) -> Option<String> {
+        let (run, settings) = self.state.test.as_ref()?;
+        let (known, last) = self.last.replace((*run, index))?;
+        let is_new = known != *run || index <= last;
+        is_new.then(|| format!("events of test {run} {}", settings.name).trim_end().to_string())
     }
 
     fn down(&mut self, place: &Place, reason: String) -> Result<(), InputError> {
@@ -240,5 +274,34 @@ mod tests {
         assert_eq!((list.silence(seconds(30)), list.should_ask(seconds(30))), (None, false));
         list.up(&place, seconds(31));
         assert_eq!((list.silence(seconds(32)), list.should_ask(seconds(32))), (None, true));
+    }
+
+    /// Also where a board that was off gives its next test the number of the one before.
+    #[test]
+    fn events_of_another_test_are_told_apart() {
+        let mut list = List::new(Form::Json, None);
+        let start = |list: &mut List, run| {
+            let settings = floe_firmware::settings::Settings::default();
+            list.state.test = Some((run, settings));
+        };
+        assert_eq!(list.new_test(0), None, "no test is known");
+        start(&mut list, 1);
+        let said = [0, 1, 2, 4, 0, 1].map(|index| list.new_test(index).is_some());
+        assert_eq!(said, [false, false, false, false, true, false]);
+        start(&mut list, 2);
+        assert_eq!(list.new_test(2).as_deref(), Some("events of test 2"));
+    }
+
+    /// A converter that is silent says so with every sample.
+    #[test]
+    fn a_complaint_is_said_once() {
+        let mut list = List::new(Form::Plain, None);
+        let mut said = |words: &str| {
+            list.state.complaint = Some((words.to_string(), Duration::ZERO));
+            list.complaint()
+        };
+        let said = ["sample 9: silent", "sample 10: silent", "FLOE.LOG is full"].map(&mut said);
+        assert_eq!(said, [Some("sample 9: silent".into()), None, Some("FLOE.LOG is full".into())]);
+        assert_eq!(list.complaint(), None);
     }
 }

@@ -1,6 +1,7 @@
 //! The loop of the display: handles port and keys, draws frames.
 
 use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use ratatui::DefaultTerminal;
@@ -28,12 +29,17 @@ const REDRAW: Duration = Duration::from_millis(500);
 pub(super) const ASK_EVERY: Duration = Duration::from_secs(5);
 const ASK_AFTER_EVENT: Duration = Duration::from_secs(1);
 
-/// Shows the board until the user leaves.
+/// Whether a signal has asked the program to end.
+static ENDED: AtomicBool = AtomicBool::new(false);
+
+/// Shows the board until the user leaves, or a signal ends the program: the terminal is as before.
 ///
 /// # Errors
 /// The terminal fails, or the file cannot be written.
 pub fn run(place: &Place, port: &Port, save: Option<Save>) -> Result<(), InputError> {
     let failed = |error: io::Error| InputError::new(format!("this terminal: {error}"));
+    // Without a handler a signal would leave the terminal on another screen.
+    drop(ctrlc::set_handler(|| ENDED.store(true, Ordering::Relaxed)));
     let mut terminal = ratatui::try_init().map_err(failed)?;
     let mut display = Display::new(place, port, save);
     let done = display.watch(&mut terminal);
@@ -78,7 +84,7 @@ impl<'a> Display<'a> {
 
     fn watch(&mut self, terminal: &mut DefaultTerminal) -> io::Result<()> {
         let mut drawn = None;
-        loop {
+        while !ENDED.load(Ordering::Relaxed) {
             let taken = self.listen();
             let mut changed = taken > 0;
             self.question_board();
@@ -89,10 +95,7 @@ impl<'a> Display<'a> {
                     match self.ask.key(key) {
                         Deed::None => {}
                         Deed::Say(command) => self.say(command),
-                        Deed::Quit => {
-                            self.keep_unfinished(self.start.elapsed());
-                            return Ok(());
-                        }
+                        Deed::Quit => break,
                     }
                 }
             }
@@ -104,6 +107,8 @@ impl<'a> Display<'a> {
                 drawn = Some(now);
             }
         }
+        self.keep_unfinished(self.start.elapsed());
+        Ok(())
     }
 
     fn say(&mut self, command: String) {

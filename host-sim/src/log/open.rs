@@ -52,18 +52,27 @@ pub fn utf8(input: Box<dyn Read + Send>, start: &[u8]) -> Box<dyn Read + Send> {
 }
 
 /// Beginnings of files in other formats, with their remedies.
-const BINARY: [(&[u8], &str); 10] = [
+const BINARY: [(&[u8], &str); 6] = [
     (b"PK\x03\x04", "is a spreadsheet, or another zip archive; save its table as CSV"),
     (b"\xD0\xCF\x11\xE0", "is an old spreadsheet; save its table as CSV"),
-    (b"\x1F\x8B", "is compressed; unpack it, or gunzip -c FILE | floe replay -"),
-    (b"BZh", "is compressed; unpack it, or bunzip2 -c FILE | floe replay -"),
-    (b"\xFD7zXZ", "is compressed; unpack it, or xz -dc FILE | floe replay -"),
-    (b"\x28\xB5\x2F\xFD", "is compressed; unpack it, or zstd -dc FILE | floe replay -"),
     (b"PAR1", "is a Parquet file; write its table as CSV"),
     (b"\x89HDF", "is an HDF5 file; write its columns as CSV"),
     (b"MATLAB", "is a MATLAB file; write its columns as CSV"),
     (b"TDSm", "is a LabVIEW measurement (TDMS); export it as text"),
 ];
+
+/// Beginnings of compressed files, with what unpacks them to standard output.
+const PACKED: [(&[u8], &str); 4] = [
+    (b"\x1F\x8B", "gunzip -c"),
+    (b"BZh", "bunzip2 -c"),
+    (b"\xFD7zXZ", "xz -dc"),
+    (b"\x28\xB5\x2F\xFD", "zstd -dc"),
+];
+
+/// What unpacks a compressed file to standard output.
+pub fn unpacker(head: &[u8]) -> Option<&'static str> {
+    PACKED.iter().find(|(start, _)| head.starts_with(start)).map(|(_, tool)| *tool)
+}
 
 /// Rejects input that is certainly no text log, with a remedy.
 ///
@@ -101,6 +110,10 @@ pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
     let mut lines = text.splitn(2, |&byte| byte == b'\n');
     let (first, rest) = (lines.next().unwrap_or_default(), lines.next().unwrap_or_default());
     if first.contains(&0) || control_share(head) > 0.02 {
+        if let Some(tool) = unpacker(head) {
+            let remedy = format!("is compressed; unpack it, or {tool} FILE | floe replay -");
+            return Err(InputError::new(remedy));
+        }
         let known = BINARY.iter().find(|(start, _)| head.starts_with(start));
         let other = match !rest.is_empty() && control_share(rest) <= 0.0 {
             true => "line 1 is no text: take it out, or give --skip-lines 1",

@@ -80,11 +80,7 @@ fn groups(groups: &[GroupMeans]) -> String {
 /// Logs that were left out, and what is doubtful about the others.
 fn notices(summary: &Summary) -> String {
     let left_out = summary.left_out.iter().map(|log| format!("left out: {log}"));
-    let doubts = |test: &TestRecord| {
-        let said = test.warnings.iter().map(|it| format!("{}: {it}", test.test_id));
-        said.collect::<Vec<_>>()
-    };
-    let all = left_out.chain(summary.records.iter().flat_map(doubts));
+    let all = left_out.chain(summary.records.iter().flat_map(TestRecord::doubts));
     let items: String = all.map(|it| format!("<li>{}</li>", escape(&it))).collect();
     if items.is_empty() { items } else { format!("<ul class=\"notice\">{items}</ul>") }
 }
@@ -177,7 +173,7 @@ impl Panel<'_> {
             .map(|(group, tone)| dot_key(&format!("event {tone}"), group.name()))
             .collect();
         if !self.untold().is_empty() {
-            keys.push(dot_key("cloud", "snow not known"));
+            keys.push(dot_key("event unknown", "snow not known"));
         }
         if !self.lines().is_empty() {
             keys.push(line_key("mean", "line by least squares, ± one standard error"));
@@ -253,7 +249,7 @@ impl Panel<'_> {
     }
 
     fn draw_points(&self, plot: &mut Plot) {
-        plot.dots("cloud", self.untold().into_iter().take(MOST_POINTS));
+        plot.dots("event unknown", self.untold().into_iter().take(MOST_POINTS));
         for (group, tone) in DRAWN {
             let points = self.points(group);
             plot.dots(&format!("event {tone}"), points.into_iter().take(MOST_POINTS));
@@ -332,7 +328,7 @@ mod tests {
         for (class, name, dots) in [
             ("event dynamic", "no snow", 2),
             ("event static", "snow", 1),
-            ("cloud", "snow not known", 1),
+            ("event unknown", "snow not known", 1),
         ] {
             let path = format!("<path class=\"{class}\" d=\"");
             let drawn = drawing.split_once(&path).unwrap().1.split_once('"').unwrap().0;

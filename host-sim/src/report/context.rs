@@ -30,11 +30,11 @@ pub(super) struct Focus<'a> {
 const LONG_TIME_S: f64 = 1e5;
 
 impl Focus<'_> {
-    /// Sentence for an event without a coefficient: its curve is no result.
+    /// Sentence for an event without a coefficient.
     pub fn refused(&self) -> String {
         let reason = self.event.reason.as_deref().map(escape);
         reason.map_or_else(String::new, |reason| {
-            format!(" This event is refused, and its curve is no result: {reason}.")
+            format!(" This event is refused, and no curve of it is a result: {reason}.")
         })
     }
 }

@@ -168,8 +168,8 @@ impl<'a> Plane<'a> {
 
     fn caption(&self) -> String {
         let Some((ellipse, focus)) = self.ellipse.zip(self.focus) else {
-            return "Force against its rate. The slip is too short for the sampling to show its \
-                    ellipse: <i>F</i><sub>p</sub> is half-way between <i>F</i><sub>s</sub> and \
+            return "Force against its rate. The samples do not show the ellipse of this slip: \
+                    <i>F</i><sub>p</sub> is half-way between <i>F</i><sub>s</sub> and \
                     <i>F</i><sub>e</sub>."
                 .into();
         };

@@ -12,20 +12,20 @@ use crate::replay::result::EventSummary;
 
 /// Largest number of samples in a panel; of more, every second, third, ...
 const MOST_SAMPLES: usize = 3000;
+/// Classes of a fitted curve, by whether the samples show the shape of the slip.
+const MODEL: &str = "model";
+const UNRESOLVED: &str = "model unresolved";
 
 /// The figure.
 pub(super) fn zoom(context: &Context<'_>, focus: &Focus<'_>) -> Figure {
     let cycles = both(|layout| draw_cycles(context, focus, layout));
     let slip = both(|layout| draw_slip(context, focus, layout));
-    let mut keys = vec![
-        dot_key("sample", "samples"),
-        line_key("model", "fitted model"),
-        tint_key("stick", "stick"),
-        tint_key("slip", "slip"),
-    ];
+    let mut keys =
+        vec![dot_key("sample", "samples"), tint_key("stick", "stick"), tint_key("slip", "slip")];
     let shown = touched(context, window_s(context, focus, Layout::Wide));
-    if shown.iter().any(|event| event.omega_rad_per_s.is_none()) {
-        keys.push(line_key("model unresolved", "model of an unresolved slip"));
+    let curves: Vec<&str> = shown.iter().filter_map(class_of_fit).collect();
+    for (class, name) in [(MODEL, "fitted model"), (UNRESOLVED, "model of an unresolved slip")] {
+        keys.extend(curves.contains(&class).then(|| line_key(class, name)));
     }
     keys.extend(mark_keys());
     let caption = format!(
@@ -169,14 +169,20 @@ fn moments(context: &Context<'_>, plot: &mut Plot, event: &EventSummary, close: 
     }
 }
 
+/// Class of an event's fitted curve; none without coefficients.
+fn class_of_fit(event: &EventSummary) -> Option<&'static str> {
+    event.mu_s?;
+    Some(if event.omega_rad_per_s.is_some() { MODEL } else { UNRESOLVED })
+}
+
 /// The fit of every event that has coefficients, half-way to its neighbours.
 fn draw_fits(context: &Context<'_>, plot: &mut Plot, events: &[EventSummary]) {
-    for (i, event) in events.iter().enumerate().filter(|(_, event)| event.mu_s.is_some()) {
+    for (i, event) in events.iter().enumerate() {
+        let Some(class) = class_of_fit(event) else { continue };
         let (before_s, after_s) = reach_s(events, i);
         let mut curve = line_before(event, before_s);
         curve.extend(slip_curve(event));
         curve.extend(line_after(event, after_s));
-        let class = if event.omega_rad_per_s.is_some() { "model" } else { "model unresolved" };
         plot.line(class, curve.into_iter().map(|point| context.shown(point)));
     }
 }
@@ -214,6 +220,7 @@ fn label_marks(context: &Context<'_>, plot: &mut Plot, event: &EventSummary, clo
 #[cfg(test)]
 mod tests {
     use super::super::sample_log::SampleLog;
+    use super::*;
 
     #[test]
     fn an_event_without_coefficients_has_no_fitted_curve() {
@@ -225,5 +232,20 @@ mod tests {
         }
         let some = curves(&log);
         assert!(some > 0 && some < all, "{some} of {all}");
+    }
+
+    #[test]
+    fn the_keys_name_the_curves_that_are_drawn() {
+        let mut log = SampleLog::dff8_13(60.0);
+        let keys = |log: &SampleLog| {
+            let recorder = log.recorder();
+            let context = Context::new(&log.result, &recorder);
+            zoom(&context, &context.focus().unwrap()).keys.concat()
+        };
+        assert!(keys(&log).contains("fitted model") && !keys(&log).contains("unresolved"));
+        log.result.events.kept.iter_mut().for_each(|event| event.omega_rad_per_s = None);
+        assert!(!keys(&log).contains("fitted model") && keys(&log).contains("unresolved"));
+        log.result.events.kept.iter_mut().for_each(|event| event.mu_s = None);
+        assert!(!keys(&log).contains("model"), "{}", keys(&log));
     }
 }

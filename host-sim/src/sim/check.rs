@@ -22,7 +22,7 @@ pub(super) fn require(ok: bool, message: impl FnOnce() -> String) -> Result<(), 
 /// Returns an error unless `value` is finite and above zero.
 pub(super) fn positive(name: &str, value: f64) -> Result<(), SceneError> {
     require(value.is_finite() && value > 0.0, || {
-        format!("{name} = {value}: must be a number above zero")
+        format!("{name} = {}: must be a number above zero", short(value))
     })
 }
 
@@ -34,11 +34,16 @@ pub(super) fn above_zero(name: &str, value: f64, most: f64) -> Result<(), SceneE
     })
 }
 
+/// Returns an error unless `value` is at least `least`: what is finer makes the computation endless.
+pub(super) fn not_below(name: &str, value: f64, least: f64) -> Result<(), SceneError> {
+    require(value.is_finite() && value >= least, || {
+        format!("{name} = {}: must be a number not below {}", short(value), short(least))
+    })
+}
+
 /// Returns an error unless `value` is finite and not negative.
 pub(super) fn not_negative(name: &str, value: f64) -> Result<(), SceneError> {
-    require(value.is_finite() && value >= 0.0, || {
-        format!("{name} = {value}: must be a number not below zero")
-    })
+    not_below(name, value, 0.0)
 }
 
 /// Returns an error unless `value` is finite and within the limits.

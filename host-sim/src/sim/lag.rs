@@ -2,19 +2,19 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::check::{SceneError, positive};
+use super::check::{SceneError, not_below};
 
 /// First-order lag: `T y' = F - y`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lag {
-    /// Time constant `T`, s.
+    /// Time constant `T`, s, at least 1e-5.
     pub time_s: f64,
 }
 
 impl Lag {
     pub(super) fn validate(&self) -> Result<(), SceneError> {
-        positive("measurement.lag.time_s", self.time_s)
+        not_below("measurement.lag.time_s", self.time_s, 1e-5)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::check::{SceneError, between, positive};
+use super::check::{SceneError, between, not_below, positive};
 
 /// `mu(v, θ) = mu + direct ln(v/v0) + evolving ln(v0 θ/D)` with the age of the contacts
 /// `θ' = 1 - v θ/D`. The scene's `mu` is the coefficient of steady sliding at `v0`; its `mu_s` has
@@ -15,13 +15,13 @@ use super::check::{SceneError, between, positive};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RateAndState {
-    /// Reference speed `v0`, m/s.
+    /// Reference speed `v0`, m/s, at least 1e-12.
     pub reference_m_per_s: f64,
     /// Direct effect `a`.
     pub direct: f64,
     /// Evolution effect `b`.
     pub evolving: f64,
-    /// Distance `D` over which the contacts are renewed, m.
+    /// Distance `D` over which the contacts are renewed, m, at least 1e-6.
     pub renewal_m: f64,
 }
 
@@ -31,9 +31,9 @@ const REST: f64 = 0.05;
 
 impl RateAndState {
     pub(super) fn validate(&self, mu: f64) -> Result<(), SceneError> {
-        positive("rate_and_state.reference_m_per_s", self.reference_m_per_s)?;
+        not_below("rate_and_state.reference_m_per_s", self.reference_m_per_s, 1e-12)?;
         positive("rate_and_state.direct", self.direct)?;
-        positive("rate_and_state.renewal_m", self.renewal_m)?;
+        not_below("rate_and_state.renewal_m", self.renewal_m, 1e-6)?;
         // Ten factors of e in age or speed must leave the friction above zero.
         between("rate_and_state.direct", self.direct, 1e-4, mu / 20.0)?;
         between("rate_and_state.evolving", self.evolving, 0.0, mu / 10.0)

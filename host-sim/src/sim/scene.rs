@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+mod fault;
 mod terms_on;
 mod validate;
 
@@ -208,19 +209,9 @@ impl Scene {
     /// # Errors
     /// One line with the fault and its position.
     pub fn from_toml(text: &str) -> Result<Self, SceneError> {
-        let scene: Self = toml::from_str(text).map_err(|e| SceneError(one_line(&e, text)))?;
+        let scene: Self =
+            toml::from_str(text).map_err(|e| SceneError(fault::in_words(&e, text)))?;
         scene.validate()?;
         Ok(scene)
-    }
-}
-
-fn one_line(error: &toml::de::Error, text: &str) -> String {
-    let message = error.message().replace('\n', " ");
-    match error.span() {
-        Some(span) if span.end > 0 => {
-            let line = text.bytes().take(span.start).filter(|&b| b == b'\n').count() + 1;
-            format!("line {line}: {message}")
-        }
-        _ => message,
     }
 }

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::check::{SceneError, between, not_negative, positive};
+use super::check::{SceneError, between, not_below, not_negative, positive};
 pub use super::winch::WinchProfile;
 
 /// Snow on the ice: adds to both coefficients.
@@ -46,7 +46,7 @@ pub struct HoldTime {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RateDependence {
-    /// Speed at which the law bends, m/s.
+    /// Speed at which the law bends, m/s, at least 1e-12.
     pub reference_m_per_s: f64,
     /// Change over a factor of ten in speed; negative weakens.
     pub per_decade: f64,
@@ -122,7 +122,7 @@ pub struct Weighing {
     pub swing_deg: f64,
     /// Length of the pendulum, m.
     pub length_m: f64,
-    /// Decay of the swing, 1/s.
+    /// Decay of the swing, 1/s, at most 1000.
     pub damping_per_s: f64,
 }
 
@@ -135,7 +135,7 @@ impl HoldTime {
 
 impl RateDependence {
     pub(super) fn validate(&self, mu: f64) -> Result<(), SceneError> {
-        positive("rate_dependence.reference_m_per_s", self.reference_m_per_s)?;
+        not_below("rate_dependence.reference_m_per_s", self.reference_m_per_s, 1e-12)?;
         // Four decades above the reference must leave some friction.
         between("rate_dependence.per_decade", self.per_decade, -mu / 4.0, 10.0)
     }

@@ -56,6 +56,7 @@ fn apart(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
             refuse(path, "is a directory; name a file to write")?;
         }
         refuse_nowhere(path)?;
+        refuse_protected(path)?;
         if let Some(identity) = Identity::of(path) {
             if taken.contains(&identity) {
                 let why = "is read or written already by this command; name another output";
@@ -102,6 +103,16 @@ pub fn refuse_nowhere(path: &Path) -> Result<(), InputError> {
     match directory(path).is_dir() {
         true => Ok(()),
         false => refuse(path, "its directory does not exist; make it first"),
+    }
+}
+
+/// Rejects a file that its owner has made read-only: replacing it would not ask.
+fn refuse_protected(path: &Path) -> Result<(), InputError> {
+    match path.metadata() {
+        Ok(there) if there.is_file() && there.permissions().readonly() => {
+            refuse(path, "is there already and read-only; name another file, or make it writable")
+        }
+        _ => Ok(()),
     }
 }
 

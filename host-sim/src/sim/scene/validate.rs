@@ -1,6 +1,9 @@
 //! Checks of a scene before it is computed.
 
+use time::Date;
+
 use super::{Scene, SceneError, Weighing, WinchProfile};
+use crate::rounding::short;
 use crate::sim::check::{above_zero, between, not_negative, positive, require};
 
 /// Largest force, stiffness or length; a larger one is a typing error.
@@ -80,7 +83,7 @@ impl Scene {
     fn validate_weighing(&self, weighing: &Weighing) -> Result<(), SceneError> {
         between("weighing.swing_deg", weighing.swing_deg, 0.0, 60.0)?;
         positive("weighing.length_m", weighing.length_m)?;
-        not_negative("weighing.damping_per_s", weighing.damping_per_s)?;
+        between("weighing.damping_per_s", weighing.damping_per_s, 0.0, 1000.0)?;
         let others = self.of_motion().into_iter().filter(|(name, on)| *on && *name != "weighing");
         let others: Vec<&str> = others.map(|(name, _)| name).collect();
         require(others.is_empty(), || {
@@ -119,7 +122,7 @@ impl Scene {
         positive("mu", self.mu)?;
         positive("mu with snow", mu)?;
         require(mu_s.is_finite() && mu_s >= mu, || {
-            format!("mu_s = {mu_s}: must be a number not below mu = {mu}")
+            format!("mu_s = {}: must be a number not below mu = {}", short(mu_s), short(mu))
         })?;
         let end_deg = self.end_deg();
         require(end_deg.abs() < 60.0 && self.steepest() < mu, || {
@@ -164,7 +167,7 @@ impl Scene {
     fn validate_work(&self) -> Result<(), SceneError> {
         let samples = self.duration_s * self.rate_hz;
         require(self.sample_count() > 0, || {
-            format!("duration_s = {}: no sample at {} Hz", self.duration_s, self.rate_hz)
+            format!("duration_s = {}: no sample at {} Hz", short(self.duration_s), self.rate_hz)
         })?;
         require(samples <= MOST_SAMPLES, || {
             format!(
@@ -192,14 +195,21 @@ impl Scene {
 
     fn validate_start(&self) -> Result<(), SceneError> {
         let s = &self.start;
-        let ok = (1..=366).contains(&s.day) && s.hour < 24 && s.minute < 60;
-        require(ok, || "start: day must be 1 to 366, hour 0 to 23, minute 0 to 59".to_owned())
+        let is_date =
+            |day| (1900..=2100).contains(&s.year) && Date::from_ordinal_date(s.year, day).is_ok();
+        let ok = u16::try_from(s.day).is_ok_and(is_date) && s.hour < 24 && s.minute < 60;
+        require(ok, || {
+            "start: year must be 1900 to 2100, day one of that year from 1 on, hour 0 to 23, minute 0 \
+             to 59"
+                .to_owned()
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sim::scene::Start;
     use crate::sim::terms::Breaking;
 
     /// Such a scene was computed for hours.
@@ -212,6 +222,54 @@ mod tests {
         assert_eq!(with(1.0), Ok(()));
         let said = with(1e-9).unwrap_err().to_string();
         assert_eq!(said, "winch_profile: about 1.2e11 steps in 120 s, at most 1e8");
+    }
+
+    /// Such a log was written and not read again.
+    #[test]
+    fn a_record_starts_at_a_time_that_there_is() {
+        let starts = |year, day| {
+            let start = Start { year, day, hour: 0, minute: 0 };
+            Scene { start, ..Scene::default() }.validate().is_ok()
+        };
+        assert!(starts(1995, 365) && starts(1996, 366) && starts(2100, 1));
+        assert!(
+            ![(1995, 366), (1996, 0), (1996, 1 << 16), (-5, 1), (99_999, 1)]
+                .into_iter()
+                .any(|(year, day)| starts(year, day))
+        );
+    }
+
+    /// Such scenes were computed for hours, too.
+    #[test]
+    fn what_is_too_fine_to_compute_is_refused() {
+        let with = |term: &str| {
+            let text = toml::to_string(&Scene::default()).unwrap();
+            Scene::from_toml(&(text + term)).unwrap_err().to_string()
+        };
+        for (term, said) in [
+            (
+                "[rocking]\nfraction = 0.1\nratio = 1e9",
+                "rocking.ratio = 1e9: must be above zero, at most 1000",
+            ),
+            (
+                "[along_slip]\nfraction = 0.1\nlength_m = 1e-300",
+                "along_slip.length_m = 1e-300: must be a number not below 0.00001",
+            ),
+            (
+                "[measurement.lag]\ntime_s = 1e-9",
+                "measurement.lag.time_s = 0.000000001: must be a number not below 0.00001",
+            ),
+            (
+                "[rate_dependence]\nreference_m_per_s = 1e-30\nper_decade = 0.02",
+                "rate_dependence.reference_m_per_s = 1e-30: must be a number not below 1e-12",
+            ),
+            (
+                "[weighing]\nswing_deg = 5\nlength_m = 3\ndamping_per_s = 1e9",
+                "weighing.damping_per_s = 1e9: must be 0 to 1000",
+            ),
+        ] {
+            assert!(with(term).starts_with(said), "{}", with(term));
+        }
     }
 
     #[test]
