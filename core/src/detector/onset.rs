@@ -71,6 +71,12 @@ impl Detector {
         fall_n > larger(least_n, 2.0 * (earlier_n - last_n))
             && earlier_n - now.force_n > FROM_EARLIER * least_n
             && self.stick.highest.force_n > self.ceiling_n
+            && (self.is_high() || !self.flops())
+    }
+
+    /// Does the force come from the upper half of its usual range? A cable flops in the lower one.
+    fn is_high(&self) -> bool {
+        self.stick.highest.force_n > self.middle_n
     }
 
     fn leaves_line(&self, now: ForcePoint, drop: f32, std: f32) -> bool {
@@ -92,8 +98,7 @@ impl Detector {
                 _ => f32::INFINITY,
             };
         }
-        let is_high = stick.highest.force_n > self.middle_n;
-        let part = match (has_line, is_high) {
+        let part = match (has_line, self.is_high()) {
             (true, true) => LEAST_PART,
             (false, true) => LEAST_PART_CLEAR,
             (true, false) if !self.flops() => LEAST_PART_CLEAR,
