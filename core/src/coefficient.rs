@@ -55,7 +55,7 @@ pub struct Estimate {
     /// averages out.
     pub systematic_std: f32,
     /// The part of `systematic_std` that is due to no input: parameters that the model estimates
-    /// from the events, and assumptions that all of them rest on.
+    /// from the events, assumptions that all of them rest on, and the events without coefficients.
     pub common_std: f32,
     /// Standard deviation between events, noise removed; needs two events.
     pub spread: Option<f32>,
