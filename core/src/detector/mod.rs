@@ -170,9 +170,7 @@ impl Detector {
     pub fn step(&mut self, index: u32, force_n: f32, is_full: bool) -> Option<Transition> {
         self.spent = 0;
         let in_a_row = self.window.push(index, force_n);
-        // Steps of half a usual drop are slips.
-        let most_n = if self.usual_drop_n > 0.0 { 0.5 * self.usual_drop_n } else { f32::INFINITY };
-        self.noise.add_sample(force_n, in_a_row && !self.lies_at_zero(), most_n);
+        self.noise.add_sample(force_n, in_a_row && !self.lies_at_zero());
         let (line_std_n, std_n) = self.noise.std_n(force_n);
         self.line_std_n = line_std_n;
         if self.usual_drop_n > 0.0 {

@@ -36,6 +36,10 @@ const LEAST_FALL: f32 = 0.3;
 /// Part of that by which the sample before the last one has to be higher as well: one sample that is
 /// too high feigns no fall. Less than one, since the line rises.
 const FROM_EARLIER: f32 = 0.7;
+/// Number of samples that show the noise of single ones, and two more: to a sixth.
+const LOOKED_AT: u32 = 34;
+/// Mean of |second difference| over the noise, `√(6 · 2/π)`.
+const SECOND: f32 = 1.954;
 /// Most samples by which a slip is detected late: going back over them takes 16 of the 62 units of
 /// time of a step.
 pub(super) const FARTHEST: i32 = 32;
@@ -61,17 +65,33 @@ impl Detector {
     /// about it, so that the next one would be missed as well: such a fall is seen whatever the line.
     fn falls_at_once(&self, now: ForcePoint) -> bool {
         let before = |samples: u32| self.window.get(now.index.saturating_sub(samples));
-        let (Some(last_n), Some(earlier_n), Some(quick_n)) =
-            (before(1), before(2), self.noise.quick_n())
-        else {
-            return false;
+        let (Some(last_n), Some(earlier_n)) = (before(1), before(2)) else { return false };
+        let (fall_n, least_n) = (last_n - now.force_n, LEAST_FALL * self.usual_drop_n);
+        let falls = |least_n: f32| {
+            fall_n > larger(least_n, 2.0 * (earlier_n - last_n))
+                && earlier_n - now.force_n > FROM_EARLIER * least_n
         };
-        let fall_n = last_n - now.force_n;
-        let least_n = larger(OFF_LINE * quick_n, LEAST_FALL * self.usual_drop_n);
-        fall_n > larger(least_n, 2.0 * (earlier_n - last_n))
-            && earlier_n - now.force_n > FROM_EARLIER * least_n
+        falls(least_n)
             && self.stick.highest.force_n > self.ceiling_n
             && (self.is_high() || !self.flops())
+            && falls(OFF_LINE * self.quick_n(now.index))
+    }
+
+    /// Standard deviation of the noise of single samples, N, by the second differences of the samples
+    /// before this one: what changes slowly is not in it. Those of half a usual drop are slips.
+    fn quick_n(&self, now: u32) -> f32 {
+        let (mut sum_n, mut count) = (0.0, 0.0);
+        let (mut last, mut next) = (f32::NAN, f32::NAN);
+        for back in 1..LOOKED_AT {
+            let n = self.window.get(now.saturating_sub(back)).unwrap_or(f32::NAN);
+            let second_n = (n - 2.0 * next + last).abs();
+            // False for NaN as well.
+            if second_n < 0.5 * self.usual_drop_n {
+                (sum_n, count) = (sum_n + second_n, count + 1.0);
+            }
+            (last, next) = (next, n);
+        }
+        larger(sum_n / (count * SECOND), self.noise.step_n())
     }
 
     /// Does the force come from the upper half of its usual range? A cable flops in the lower one.

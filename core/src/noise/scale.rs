@@ -112,14 +112,16 @@ impl Noise {
         self.fits = (self.fits + if believed { BELIEVED } else { 1 }).min(TRUSTED);
     }
 
-    /// Takes a sample; `in_a_row` if it follows the one before without a gap. Second differences of
-    /// more than `most_n` are slips.
-    pub(crate) fn add_sample(&mut self, force_n: f32, in_a_row: bool, most_n: f32) {
+    /// Takes a sample; `in_a_row` if it follows the one before without a gap.
+    pub(crate) fn add_sample(&mut self, force_n: f32, in_a_row: bool) {
         let step_n = (force_n - self.newest_n).abs();
         if in_a_row && step_n < self.resolution_n {
             self.resolve(step_n);
         }
-        self.difference(force_n, in_a_row, most_n);
+        // The differences give the noise until the fits do.
+        if self.fits < TRUSTED {
+            self.difference(force_n, in_a_row);
+        }
         self.newest_n = force_n;
     }
 
@@ -134,21 +136,16 @@ impl Noise {
     }
 
     /// Takes the newest samples' differences; those before the first and across a gap are NaN.
-    fn difference(&mut self, e: f32, in_a_row: bool, most_n: f32) {
+    fn difference(&mut self, e: f32, in_a_row: bool) {
         let ([a, b, c], d) = (self.row, if in_a_row { self.newest_n } else { f32::NAN });
         self.row = [b, c, d];
-        let second = (c - 2.0 * d + e).abs();
-        // False for NaN as well.
-        if second < most_n {
-            self.second_difference.add(second, 0.5);
-        }
-        // The others give the noise until the fits do.
-        if self.fits >= TRUSTED {
-            return;
-        }
         let step = e - d;
         if !step.is_nan() {
             self.time_asymmetry.add(step);
+        }
+        let second = (c - 2.0 * d + e).abs();
+        if !second.is_nan() {
+            self.second_difference.add(second, 0.5);
         }
         let outer = a - 2.0 * (b - c + d) + e;
         if !outer.is_nan() {
@@ -181,19 +178,17 @@ impl Noise {
         smaller(larger(line_n, upper_n), bound_n)
     }
 
-    /// Standard deviation of the samples' noise, N, by their second differences: what changes slowly
-    /// is not in it. `None` before enough samples.
-    pub(crate) fn quick_n(&self) -> Option<f32> {
-        // Coarse steps make many differences zero: then the noise may be as large as a step.
-        let repeats = self.repeats && self.hidden_n > 0.0;
-        let step_n = if repeats { self.resolution_n } else { 0.0 };
-        Some(larger(self.second_difference.value()? * STD_PER_SECOND, step_n))
+    /// The converter's step, N, where samples repeat: then the noise may be as large as a step, though
+    /// many differences are zero. Else zero.
+    pub(crate) fn step_n(&self) -> f32 {
+        if self.repeats && self.hidden_n > 0.0 { self.resolution_n } else { 0.0 }
     }
 
     /// Standard deviation of the samples' noise, N, by measures that need no line; the scale of the
     /// innovations is `line_n`. Infinite where none applies.
     fn without_line_n(&self, line_n: f32) -> f32 {
-        let (Some(oscillation_n2), Some(second_n)) = (self.oscillation.noise_n2(), self.quick_n())
+        let (Some(oscillation_n2), Some(second_n)) =
+            (self.oscillation.noise_n2(), self.second_difference.value())
         else {
             return f32::INFINITY;
         };
@@ -201,7 +196,7 @@ impl Noise {
         if self.oscillation.leaves_little(oscillation_n2) {
             std_n = smaller(std_n, math::rough_sqrt(oscillation_n2));
         }
-        let bent_n = CAUTION * second_n;
+        let bent_n = CAUTION * larger(second_n * STD_PER_SECOND, self.step_n());
         if line_n < f32::INFINITY && bent_n < BENT * line_n {
             std_n = smaller(std_n, bent_n);
         }
@@ -238,7 +233,7 @@ mod tests {
     fn white_noise_is_neither_a_saw_nor_an_oscillation() {
         let (mut noise, mut random) = (Noise::new(), Random(5));
         for i in 0..20_000 {
-            noise.add_sample(random.normal(), true, f32::INFINITY);
+            noise.add_sample(random.normal(), true);
             assert!(noise.without_line_n(f32::INFINITY).is_infinite(), "{i}");
         }
     }
@@ -248,7 +243,7 @@ mod tests {
         let (mut noise, mut random) = (Noise::new(), Random(3));
         for i in 0..400 {
             let oscillation_n = 400.0 * (1.1 * i as f32).sin();
-            noise.add_sample(oscillation_n + 2.0 * random.normal(), true, f32::INFINITY);
+            noise.add_sample(oscillation_n + 2.0 * random.normal(), true);
             // A line through it sees the oscillation as noise.
             noise.add_innovation(oscillation_n);
         }
@@ -269,8 +264,8 @@ mod tests {
     fn coarse_steps_set_a_floor() {
         let mut noise = Noise::new();
         (0..50).for_each(|_| noise.add_innovation(0.0));
-        noise.add_sample(0.0, false, f32::INFINITY);
-        noise.add_sample(5.0, true, f32::INFINITY);
+        noise.add_sample(0.0, false);
+        noise.add_sample(5.0, true);
         assert!(noise.std_n(0.0).1 >= 1.5);
     }
 }
