@@ -5,7 +5,7 @@
 
 use floe::sim::Scene;
 use floe_tests::scenes::stored;
-use floe_tests::score::{self, Tried, run};
+use floe_tests::score::{Score, run};
 
 /// Slips of 66 blocks, twice as long as the rests.
 fn heavy(rate_hz: f64) -> Scene {
@@ -22,28 +22,12 @@ fn heavy(rate_hz: f64) -> Scene {
     }
 }
 
-/// Parts of the true events that have both coefficients, and of the errors of `mu_s` and `mu` within
-/// 1.96 standard deviations.
-fn read(scene: &Scene, seeds: u64) -> [f64; 3] {
-    let (mut due, mut both, mut inside) = (0, 0, [0; 2]);
-    for seed in 1..=seeds {
-        let Tried { truths, found, pairs, .. } = run(scene, seed);
-        due += truths.len();
-        for (truth, event) in pairs.iter().map(|&(i, j)| (&truths[i], &found[j])) {
-            let Some((mu_s, mu)) = event.mu_s.zip(event.mu) else { continue };
-            both += 1;
-            let off = [score::off(&mu_s, truth.mu_s), score::off(&mu, truth.mu)];
-            inside.iter_mut().zip(off).for_each(|(n, z)| *n += u32::from(z.abs() < 1.96));
-        }
-    }
-    let [mu_s, mu] = inside.map(|n| f64::from(n) / f64::from(both));
-    [f64::from(both) / due as f64, mu_s, mu]
-}
-
 #[test]
 fn slips_longer_than_their_rests_are_read() {
     for rate_hz in [100.0, 250.0, 1000.0] {
-        let [read, mu_s, mu] = read(&heavy(rate_hz), 4);
+        let Score { detection, errors, read, .. } = Score::of(&heavy(rate_hz), usize::MAX, 4);
+        let read = read as f64 / (detection.hits + detection.misses) as f64;
+        let [mu_s, mu] = errors.map(|errors| errors.coverage());
         println!("{rate_hz} Hz: {read:.3} are read, cover {mu_s:.3} {mu:.3}");
         assert!(read > 0.95, "{rate_hz} Hz: {read} are read");
         assert!(mu_s.min(mu) > 0.88, "{rate_hz} Hz: {mu_s} {mu}");
