@@ -26,8 +26,6 @@ pub(crate) struct Decimator {
     count: u32,
     /// The last two complete blocks, the newest last.
     last: [Option<ForcePoint>; 2],
-    /// What a block's mean exceeds the force in its middle by, parts of the second difference.
-    excess: f32,
 }
 
 impl Decimator {
@@ -35,9 +33,7 @@ impl Decimator {
     pub(crate) fn new(rate_hz: f32) -> Self {
         let factor = -math::floor(-rate_hz / FASTEST_HZ) as u32;
         let factor = NonZeroU32::new(factor).unwrap_or(NonZeroU32::MIN);
-        let blocks = factor.get() as f32;
-        let excess = (1.0 - 1.0 / (blocks * blocks)) / 24.0;
-        Self { factor, block: 0, mean_n: 0.0, count: 0, last: [None; 2], excess }
+        Self { factor, block: 0, mean_n: 0.0, count: 0, last: [None; 2] }
     }
 
     /// Samples per block.
@@ -96,8 +92,9 @@ impl Decimator {
         if let Some(before) = before
             && next.index - before.index == 2
         {
-            let bend_n = before.force_n - 2.0 * this.force_n + next.force_n;
-            this.force_n -= self.excess * bend_n;
+            let (samples, bend_n) =
+                (self.factor(), before.force_n - 2.0 * this.force_n + next.force_n);
+            this.force_n -= (1.0 - 1.0 / (samples * samples)) / 24.0 * bend_n;
         }
         Some(this)
     }
