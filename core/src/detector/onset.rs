@@ -52,12 +52,13 @@ impl Detector {
     pub(super) fn slips(&self, now: ForcePoint) -> bool {
         let std = self.std_n;
         let drop = self.stick.highest.force_n - now.force_n;
-        // No slip has a smaller drop: this decides most samples.
+        // No slip has a smaller drop than either of these two: they decide most samples.
         drop > 0.0
             && (drop >= LEAST_DROP * std && self.leaves_line(now, drop, std)
                 || self.usual_drop_n > 0.0
                     && drop >= LEAST_FALL * self.usual_drop_n
                     && self.falls_at_once(now))
+            && self.stick.highest.force_n > self.ceiling_n
     }
 
     /// Has the force fallen within one sample by more than the noise of single samples, and far more
@@ -72,13 +73,13 @@ impl Detector {
                 && earlier_n - now.force_n > FROM_EARLIER * least_n
         };
         falls(least_n)
-            && self.stick.highest.force_n > self.ceiling_n
             && (self.is_high() || !self.flops())
             && falls(OFF_LINE * self.quick_n(now.index))
     }
 
     /// Standard deviation of the noise of single samples, N, by the second differences of the samples
     /// before this one: what changes slowly is not in it. Those of half a usual drop are slips.
+    /// Infinite without any, as after a gap.
     fn quick_n(&self, now: u32) -> f32 {
         let (mut sum_n, mut count) = (0.0, 0.0);
         let (mut last, mut next) = (f32::NAN, f32::NAN);
@@ -91,7 +92,8 @@ impl Detector {
             }
             (last, next) = (next, n);
         }
-        larger(sum_n / (count * SECOND), self.noise.step_n())
+        let known = count > 0.0;
+        if known { larger(sum_n / (count * SECOND), self.noise.step_n()) } else { f32::INFINITY }
     }
 
     /// Does the force come from the upper half of its usual range? A cable flops in the lower one.
@@ -101,7 +103,6 @@ impl Detector {
 
     fn leaves_line(&self, now: ForcePoint, drop: f32, std: f32) -> bool {
         drop >= self.least_drop(std)
-            && self.stick.highest.force_n > self.ceiling_n
             // Without a line, after a brief rest, the drop alone decides.
             && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
     }
