@@ -3,8 +3,10 @@
 use std::f64::consts::TAU;
 
 use floe::bench::scenes::phase;
+use floe_core::Config;
+use floe_tests::normal::Normal;
 
-use crate::{HZ, SEEDS, config, noisy, read};
+use crate::{HZ, NOISE_N, SEEDS, config, noisy, read};
 
 /// Mains hum on a block that slides steadily: sampled at 16 Hz, 50 Hz appears with a period of
 /// eight samples, 60 Hz with four. Its falls may be detected, but almost none has coefficients.
@@ -43,6 +45,33 @@ fn hum_without_a_force_has_no_coefficients() {
         }
         println!("{hz} Hz around zero: {believed} of {seen} falls with coefficients");
         assert!(believed * 1000 < seen.max(1000), "{hz} Hz: {believed} of {seen}");
+    }
+}
+
+/// A cable that is tightened for a second and held for half a minute, at rates at which the mains appear
+/// with a period of less than three samples: slips never recur as fast.
+#[test]
+fn fast_hum_on_a_cable_that_is_held_is_no_slip() {
+    for rate_hz in [20.0, 25.0, 32.0, 80.0, 100.0, 125.0, 250.0, 500.0, 1000.0] {
+        for (hz, hum_n) in [(50.02, 5.0), (50.02, 20.0), (60.03, 5.0), (60.03, 20.0)] {
+            // Blocks of two samples and more are averaged above 128 Hz.
+            let block = (rate_hz / 128.0_f64).ceil().max(1.0);
+            let cycles = hz * block / rate_hz;
+            if (cycles - cycles.round()).abs() < 1.0 / 3.0 {
+                continue;
+            }
+            for seed in 1..=2 {
+                let config = Config { rate_hz: rate_hz as f32, ..config() };
+                let mut normal = Normal::new(seed);
+                let force_n = |i: u32| {
+                    let t = f64::from(i) / rate_hz;
+                    let hum_n = hum_n * (TAU * (hz * t + phase(seed))).sin();
+                    400.0 * t.min(1.0) + hum_n + NOISE_N * normal.sample()
+                };
+                let seen = read(&config, (0..(31.0 * rate_hz) as u32).map(force_n)).events.len();
+                assert_eq!(seen, 0, "{rate_hz} Hz, {hum_n} N at {hz} Hz, seed {seed}");
+            }
+        }
     }
 }
 

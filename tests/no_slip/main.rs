@@ -316,7 +316,10 @@ fn a_recurrence_of_less_than_four_samples_is_refused() {
         let config = Config { rate_hz: rate_hz as f32, ..config() };
         let outcome = read(&config, pulled(&scene, 1));
         let aliased = outcome.events.iter().filter(|e| e.reason == Some(Reason::Aliased)).count();
-        assert!(aliased > 0 && aliased * 50 >= outcome.events.len() * 49, "{rate_hz} {aliased}");
+        // Two samples a slip may as well be hum: then no slip is seen, and this is said.
+        let scatters = outcome.reasons() == [Reason::Scatters];
+        assert!(aliased > 0 || scatters, "{rate_hz} {:?}", outcome.reasons());
+        assert!(aliased * 50 >= outcome.events.len() * 49, "{rate_hz} {aliased}");
     }
 }
 

@@ -9,10 +9,11 @@ use crate::aims::{COVERAGE, Check, share_limits};
 use crate::honesty::{Class, Judged, Kind};
 
 /// All classes in the order of the table.
-pub const CLASSES: [(&str, Kind); 52] = [
+pub const CLASSES: [(&str, Kind); 53] = [
     ("base", Kind::Events),
     ("tightened_held", Kind::Events),
     ("tightened_low", Kind::Events),
+    ("held_hum", Kind::Events),
     ("held_only", Kind::Nothing),
     ("noise_only", Kind::Nothing),
     ("steady_sliding", Kind::Nothing),

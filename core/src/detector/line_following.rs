@@ -65,7 +65,7 @@ impl Detector {
             }
             self.look_on(rested);
             let is_first = rested == 1 && self.usual_drop_n <= 0.0;
-            if is_first && self.begins_after_fall(newest) {
+            if is_first && self.begins_in_slip(newest) {
                 continue;
             }
             if let Some(force_n) = self.window.get(index) {
@@ -74,21 +74,29 @@ impl Detector {
         }
     }
 
-    /// A record may begin in the middle of a slip: then its first line begins two samples after the
-    /// force has stopped falling, as after any slip. Before the noise is known no fall is
-    /// significant; once it is known, all samples are examined again.
+    /// A record may begin in the middle of a slip. Then its first stick begins after the force has
+    /// stopped falling: what lies before is neither line nor flop. Before the noise is known no fall
+    /// is significant; once it is known, all samples are examined again. Where the first sample is the
+    /// only one of a slip no fall shows: it is left out if it lies above the line of the next two.
     #[cold]
-    fn begins_after_fall(&mut self, newest: u32) -> bool {
-        let mut low = self.stick.origin;
-        while low < newest && self.window.get(low + 1) < self.window.get(low) {
+    fn begins_in_slip(&mut self, newest: u32) -> bool {
+        /// Twice the noise: a difference that one in five first samples exceeds, and about all that
+        /// would bend the line.
+        const ABOVE: f32 = 2.0;
+        let first = self.stick.origin;
+        let force_n = |index: u32| self.window.get(index).unwrap_or(f32::NAN);
+        let mut low = first;
+        while low < newest && force_n(low + 1) < force_n(low) {
             low += 1;
         }
-        let [high_n, low_n] = [self.stick.origin, low].map(|index| self.window.get(index));
-        let falls = high_n.zip(low_n).is_some_and(|(high, low)| high - low > OFF_LINE * self.std_n);
-        if falls {
-            self.stick.next = low + 2;
+        if force_n(first) - force_n(low) > OFF_LINE * self.std_n {
+            let start = low + 1;
+            self.stick = Stick::new(start, ForcePoint { index: start, force_n: f32::NEG_INFINITY });
+            self.look_back(start, newest);
+            return true;
         }
-        falls
+        let second_n = force_n(first) - 2.0 * force_n(first + 1) + force_n(first + 2);
+        second_n > ABOVE * self.std_n
     }
 
     /// No slip for more than twice the length of the stick before, or on a line that has begun anew

@@ -1,5 +1,6 @@
 //! The data of one event's fit: lines, samples, priors.
 
+use crate::fit::Fit;
 use crate::model::corner::{Corner, MAY_BE_ROUND, Rounded};
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::Wander;
@@ -72,6 +73,14 @@ pub(crate) struct Priors {
 }
 
 impl Priors {
+    /// Loosens the priors of the loading rate and its change where a fit contradicts them, as when the
+    /// winch turns faster than before. True if it does: the fit has to go on.
+    pub(crate) fn loosen(&mut self, fit: &Fit) -> bool {
+        let ([_, rate_n2, .., change_n2, _], cycle) = (fit.variances, fit.cycle());
+        self.rate.loosen(cycle.rate, rate_n2, self.noise_n2)
+            | self.rate_change.loosen(cycle.rate_change, change_n2, self.noise_n2)
+    }
+
     /// The prior of each unknown, and the unknown's value.
     pub(crate) fn with_values(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
         let free = Prior::default();

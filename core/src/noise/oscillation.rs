@@ -40,12 +40,15 @@ impl WithoutOscillation {
         self.count = FADE * self.count + 1.0;
     }
 
-    /// Variance of white noise that leaves the same remainder, N²; `None` before enough samples.
+    /// Variance of white noise that leaves the same remainder, N²; `None` before enough samples, and
+    /// for a period of less than three samples (`p > 1`): hum of the mains has one at most rates, and
+    /// slips that recur as fast are refused.
     pub(crate) fn noise_n2(&self) -> Option<f32> {
         let p = -self.product_n2 / self.middle_n2;
         let left_n2 = larger(self.outer_n2 + p * self.product_n2, ROUNDING * self.outer_n2);
         let gain = 2.0 + 2.0 * (p - 2.0) * (p - 2.0) + 4.0 * (1.0 - p) * (1.0 - p);
-        (self.count >= FEWEST && self.middle_n2 > 0.0).then(|| left_n2 / (gain * self.count))
+        (self.count >= FEWEST && self.middle_n2 > 0.0 && p <= 1.0)
+            .then(|| left_n2 / (gain * self.count))
     }
 
     /// Is a variance, N², far less than that of white noise with these second differences, whose

@@ -2,6 +2,13 @@
 
 use crate::num::math::smaller;
 
+/// Standard deviations beyond which a measurement contradicts its prior (normal: one in 370). Tuned:
+/// with 2.5 the errors of the linear scenes are 2 % larger, with 3.5 the events of a winch whose speed
+/// wanders by 1 % cover .92 (.94) at 16 Hz.
+const CONTRADICTED: f32 = 3.0;
+/// Least part of a precision that has to be the event's own: less is rounding.
+const LEAST_OWN: f32 = 0.01;
+
 /// Prior of a quantity: its expected value and its precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Prior {
@@ -12,6 +19,26 @@ pub(crate) struct Prior {
 }
 
 impl Prior {
+    /// Loosens the prior where an event's own measurement contradicts it. `value` and `variance`, in
+    /// units of the noise variance, are fitted with the prior. True if it was loosened.
+    ///
+    /// The measurement without the prior is `(value − mean) / own` off, with the variance `1 / (own
+    /// weight)` by noise and prior, where `own` is the part of the precision that is the event's.
+    /// The square of what its square exceeds [`CONTRADICTED`]² variances by, over that limit,
+    /// becomes variance of the prior: far beyond it the event alone decides, and near it rounding
+    /// decides nothing.
+    #[inline(never)]
+    pub(crate) fn loosen(&mut self, value: f32, variance: f32, noise_n2: f32) -> bool {
+        const LIMIT: f32 = CONTRADICTED * CONTRADICTED;
+        let (own, off) = (1.0 - self.weight * variance, value - self.mean);
+        let excess = self.weight * off * off / (own * noise_n2) - LIMIT;
+        let is_contradicted = own > LEAST_OWN && excess > 0.0;
+        if is_contradicted {
+            self.weight *= own / (own + excess * excess / LIMIT);
+        }
+        is_contradicted
+    }
+
     /// The prior with a variance added to its own, in units of the noise variance.
     pub(crate) fn loosened(self, variance: f32) -> Self {
         Self { weight: loosened(self.weight, variance), ..self }

@@ -4,7 +4,7 @@
 use crate::cycle::cable::{dynamic_n, relax};
 use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured};
 use crate::cycle::expectations::{Expectations, is_strained, own_residuals};
-use crate::cycle::slip_record::{SURE, UNSURE};
+use crate::cycle::slip_record::UNSURE;
 use crate::effect::Effect;
 use crate::effects::corner::CornerEstimator;
 use crate::effects::mass_change::Verdict;
@@ -35,8 +35,7 @@ impl CycleFit {
         let around_n2 = squares_n2 - line_n2;
         let usual_n2 = (slip.noise_n2, rounding_n2(slip.peak.force_n));
         let misfit = learnt.residuals.is_outlier(around_n2, free - points, usual_n2);
-        let is_other = fit.by_rate_n2(data.priors.rate) > SURE * SURE * noise_n2;
-        learnt.contradict(misfit || is_other);
+        learnt.contradict(misfit || self.is_other);
         let counts = free >= 1.0 && !misfit;
         let own_n2 = squares_n2 / larger(free, 1.0);
         let quieter_n2 = slip.quieter_n2(&self.after);

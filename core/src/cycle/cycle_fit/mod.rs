@@ -19,7 +19,7 @@ use crate::cycle::cycle_fit::after_fit::Strain;
 use crate::cycle::cycle_fit::score_test::LEVELS_A_STEP;
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::refusal;
-use crate::cycle::slip_record::{GUESSED, SHORTEST_FALL, SlipRecord};
+use crate::cycle::slip_record::{GUESSED, SHORTEST_FALL, SURE, SlipRecord};
 use crate::detector::{MOST_PUT_OFF, Stick};
 use crate::effect::{Effect, Kept};
 use crate::effects::mass_change::Verdict;
@@ -53,8 +53,8 @@ pub(crate) struct CycleFit {
     pub(crate) after: Line,
     /// The oscillation about `after`, if the noise is an oscillation.
     oscillation: Kept<Sinusoid, { Effect::Ripple.room() }>,
-    /// The event's priors: the same from the beginning of the fit to its end, and adapted to the
-    /// noise by then where the onset is averaged.
+    /// The event's priors: loosened where its fit contradicts them, and adapted to the noise by then
+    /// where the onset is averaged.
     priors: Priors,
     /// The fit, once it has converged, and the prior of the rate in its normal equations.
     fit: Fit,
@@ -62,6 +62,9 @@ pub(crate) struct CycleFit {
     /// Misfit of the samples around the slip, and the factor by which it multiplied the variances.
     strain: Strain,
     excess: f32,
+    /// The fit contradicts the prior of the loading rate; and those of the winch were loosened.
+    is_other: bool,
+    is_loosened: bool,
     /// Estimates of the event so far.
     pub(crate) measured: Measured,
 }
@@ -134,6 +137,8 @@ impl CycleFit {
             rate: Prior::default(),
             strain: Strain::None,
             excess: 1.0,
+            is_other: false,
+            is_loosened: false,
             measured: Measured::default(),
         }
     }
@@ -280,6 +285,18 @@ impl CycleFit {
             *stage = FitStage::Failed(Reason::NoFit);
             return;
         };
+        let by_rate_n2 = fit.by_rate_n2(self.priors.rate);
+        self.is_other |= by_rate_n2 > SURE * SURE * self.priors.noise_n2;
+        // Without a line only the prior determines the rate, and that of a cable that sags depends on
+        // what is known of the sag.
+        let is_own = slip.before.count > 0 && !slip.elongation.sags();
+        if is_own && !self.is_loosened {
+            self.is_loosened = self.priors.loosen(fit);
+            if self.is_loosened {
+                *stage = FitStage::Expected(Fitting::new(fit.cycle()));
+                return;
+            }
+        }
         (self.fit, self.rate) = (*fit, self.priors.rate);
         let shapely = refusal::is_shapely(slip);
         let next = if shapely { FitStage::Converged } else { FitStage::Fitted };
