@@ -156,13 +156,13 @@ impl CycleTracker {
         last_hidden: Option<u32>,
         answers: &mut Answers,
     ) {
-        let mut spent = detector.spent();
+        let mut spent = detector.spent;
         let ended = match transition {
             Some(Transition::Restick { peak, low }) => {
                 Some(Ended::by_slip(detector, (peak, low), last_hidden))
             }
             // The stick line that a long gap ends also ends the pending event.
-            Some(Transition::Lost) => Some(Ended::by_loss(detector.ended(), detector.lost())),
+            Some(Transition::Lost) => Some(Ended::by_loss(&detector.ended, detector.lost())),
             None | Some(Transition::Onset | Transition::Cancelled) => None,
         };
         if ended.is_some() {
@@ -218,8 +218,8 @@ impl CycleTracker {
         while answers.finished.is_none() {
             if self.is_idle() {
                 self.pending.as_ref()?;
-                let end = detector.last().index + 1;
-                self.ended = Some(Ended::by_loss(detector.stick(), end));
+                let end = detector.last.index + 1;
+                self.ended = Some(Ended::by_loss(&detector.stick, end));
             }
             self.advance(detector, &mut answers);
         }

@@ -50,7 +50,7 @@ impl Detector {
     pub(crate) fn catch_up(&mut self, most: u32, is_full: bool) -> Option<Transition> {
         for examined in 0..most {
             let waits = is_full && examined > 0 && self.may_end_line();
-            if self.is_up_to_date() || waits {
+            if !self.is_behind || waits {
                 return None;
             }
             let index = self.window.first_from(self.next);
@@ -65,11 +65,6 @@ impl Detector {
             }
         }
         None
-    }
-
-    /// Has every sample been examined?
-    pub(crate) fn is_up_to_date(&self) -> bool {
-        !self.is_behind
     }
 
     /// Number of waiting samples; zero while those that are examined again wait for nothing else.

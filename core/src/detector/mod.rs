@@ -86,33 +86,33 @@ pub enum Transition {
 #[repr(C)]
 pub struct Detector {
     /// Newest sample looked at.
-    last: ForcePoint,
+    pub(crate) last: ForcePoint,
     /// Standard deviations of a sample's noise and of the innovations, N; infinite before known.
-    std_n: f32,
+    pub(crate) std_n: f32,
     line_std_n: f32,
     /// Samples by which the line stays behind the newest one.
     line_delay: u32,
     /// Usual drop of a slip, a running estimate, N; zero before the first slip.
-    usual_drop_n: f32,
+    pub(crate) usual_drop_n: f32,
     effects: Effects,
     /// Work of the newest step beyond that of one at rest, in units of 160 instructions on the
     /// board.
-    spent: usize,
+    pub(crate) spent: usize,
     /// Samples that waited when one was last put off.
     put_off: u32,
     phase: Phase,
     /// Are there samples in the window that have not been examined?
-    is_behind: bool,
+    pub(crate) is_behind: bool,
     /// The cable may hang slack: the stick line has yet to start.
     slack_wait: Option<SlackWait>,
-    stick: Stick,
+    pub(crate) stick: Stick,
     ripple: Kept<Ripple, { Effect::Ripple.room() }>,
     profile: Kept<FlopProfile, { Effect::Flop.room() }>,
     noise: Noise,
-    window: Window,
+    pub(crate) window: Window,
     /// First index that has not been examined, while `is_behind`.
     next: u32,
-    ended: Stick,
+    pub(crate) ended: Stick,
     lowest: ForcePoint,
     /// Largest noise that the samples were examined with, N.
     judged_with_n: f32,
