@@ -47,13 +47,9 @@ impl Line {
     /// Takes a point with a weight above zero. Its squared residual is multiplied by `trust`. With
     /// weight and trust of one over the point's own variance, the sum of the squared residuals over
     /// that of the weights is the variance of a point of weight one.
+    // Not inlined: on the path of every sample it would be there twice.
+    #[inline(never)]
     pub(crate) fn add(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
-        self.take(time, force_n, weight, trust);
-    }
-
-    /// Takes a point, see [`Self::add`]; inlined for the path of every sample.
-    #[inline(always)]
-    pub(crate) fn take(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         let total = self.weight + weight;
         let share = weight / total;
         let dt = time - self.time;
