@@ -45,6 +45,7 @@ pub(super) fn whole(periods: f32) -> u32 {
 
 impl Detector {
     /// Sets the delay of the line from the usual fall, the usual rise and the time of creep.
+    #[inline(never)]
     pub(super) fn update_delay(&mut self) {
         let before = (0.3 * self.usual_fall + self.creep_periods) as u32;
         self.line_delay = (2 + before + whole(self.usual_rise)).min(WINDOW as u32 / 4);
