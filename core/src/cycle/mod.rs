@@ -88,7 +88,7 @@ impl Default for Work {
 }
 
 /// Builds events.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct CycleTracker {
     site: Site,
     learnt: Expectations,
@@ -121,23 +121,8 @@ impl CycleTracker {
     // In one piece: field by field, where it is called, it takes some hundred bytes of flash more.
     #[inline(never)]
     pub(crate) fn new(site: Site, effects: Effects) -> Self {
-        Self {
-            site,
-            learnt: Expectations::new(effects, site.momentum),
-            pending: None,
-            finishing: None,
-            ended: None,
-            work: Work::default(),
-            levels: Kept::default(),
-            suspect: None,
-            last_stop: None,
-            last_load: None,
-            rested: None,
-            count: 0,
-            slides: false,
-            recurrence: Recurrence::default(),
-            slackness: Slackness::default(),
-        }
+        let learnt = Expectations::new(effects, site.momentum);
+        Self { site, learnt, ..Self::default() }
     }
 
     /// Decrements the event count: the last event turned out to be no slip.

@@ -43,6 +43,7 @@ pub use crate::detector::onset::FIRST_DROP;
 pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
+use crate::detector::line_following::delay;
 use crate::detector::rest_noise::{Look, SHORT};
 use crate::detector::slack_wait::SlackWait;
 use crate::effect::{Effect, Effects, Kept};
@@ -132,7 +133,9 @@ impl Detector {
     /// Before the first sample, for a rate in hertz.
     #[must_use]
     pub fn new(rate_hz: f32, effects: Effects) -> Self {
-        let mut new = Self {
+        // Initial value, a fifth of a second: the first slip replaces it.
+        let usual_fall = 0.2 * rate_hz;
+        Self {
             effects,
             window: Window::new(),
             noise: Noise::new(),
@@ -152,16 +155,13 @@ impl Detector {
             next: 0,
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
-            // Initial value, a fifth of a second: the first slip replaces it.
-            usual_fall: 0.2 * rate_hz,
+            usual_fall,
             usual_rise: 0.0,
-            line_delay: 0,
+            line_delay: delay(usual_fall, 0.0, 0.0),
             creep_periods: 0.0,
             middle_n: 0.0,
             ceiling_n: f32::NEG_INFINITY,
-        };
-        new.update_delay();
-        new
+        }
     }
 
     /// Takes a good sample with an index past all earlier ones. Where the cycles are full, so that
