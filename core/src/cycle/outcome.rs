@@ -163,7 +163,7 @@ impl CycleTracker {
     fn of_fit(&self, posterior: &Posterior, slip: &SlipRecord) -> Belief {
         let Posterior { cycle, variances: [_, of_rate, _, of_drop, of_swing, ..], .. } = *posterior;
         let (site, learnt) = (self.site(), &self.learnt);
-        let (rate, swing) = (learnt.rate.now(), learnt.inverse_omega.now());
+        let (rate, swing) = (learnt.rate.now, learnt.inverse_omega.now);
         // Decided by the mean swing of all events, not by that of a single one.
         let periods = slip.limit - cycle.onset;
         let folded =

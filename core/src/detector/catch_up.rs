@@ -25,7 +25,7 @@ impl Detector {
     /// after a gap?
     #[inline(always)]
     pub(super) fn may_end_line(&self) -> bool {
-        let newest = self.window.end().wrapping_sub(1);
+        let newest = self.window.end.wrapping_sub(1);
         let index = if self.is_behind { self.window.first_from(self.next) } else { newest };
         match self.phase {
             Phase::Unknown => false,
@@ -55,7 +55,7 @@ impl Detector {
             }
             let index = self.window.first_from(self.next);
             self.next = index + 1;
-            let left = self.window.end() - self.next;
+            let left = self.window.end - self.next;
             (self.is_behind, self.put_off) = (left > 0, self.put_off.min(left));
             if let Some(force_n) = self.window.get(index) {
                 let transition = self.look(ForcePoint { index, force_n });

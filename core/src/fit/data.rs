@@ -246,5 +246,5 @@ impl Model<'_> {
 
 /// Slope of a line, and its weight.
 fn slope(line: &Line, wander: &Wander) -> Option<(f32, f32)> {
-    Some((line.slope()?, loosened(line.slope_weight(), wander.slope)))
+    Some((line.slope()?, loosened(line.slope_weight, wander.slope)))
 }

@@ -134,7 +134,7 @@ impl SteadyForce {
     #[inline(never)]
     fn scatter_n2(&self, noise_n2: f32) -> f32 {
         let free = larger(self.means.count as f32 - 2.0, 1.0);
-        larger(self.means.residual() / free, larger(self.noise_n2, noise_n2))
+        larger(self.means.residual_n2 / free, larger(self.noise_n2, noise_n2))
     }
 
     fn rises(&self) -> bool {
@@ -144,6 +144,6 @@ impl SteadyForce {
     /// Square of the slope of the means over its variance, with the sign of the slope.
     fn slope_over_std2(&self) -> f32 {
         let slope = self.means.slope().unwrap_or(0.0);
-        slope * slope.abs() * self.means.slope_weight() / self.scatter_n2(0.0)
+        slope * slope.abs() * self.means.slope_weight / self.scatter_n2(0.0)
     }
 }
