@@ -83,7 +83,7 @@ impl Estimate {
 }
 
 /// Given quantities of a test, which turn forces into coefficients.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Site {
     /// Weight of the block, N.
     pub weight_n: f32,

@@ -124,7 +124,8 @@ impl SampleTime {
         Self { index: origin.saturating_add_signed(whole as i32), fraction: periods - whole }
     }
 
-    /// Is this moment before another one?
+    /// Is this moment before another one? Not inlined: asked a dozen times.
+    #[inline(never)]
     pub(crate) fn precedes(self, other: Self) -> bool {
         self < other
     }

@@ -129,7 +129,7 @@ impl CycleTracker {
             // cable.
             to_n: cycle.static_n + self.learnt.corner.read(CornerEstimator::missing_n),
             rate,
-            rate_variance: late.residual() / ((late.count as f32 - 2.0) * late.slope_weight()),
+            rate_variance: late.residual_n2 / ((late.count as f32 - 2.0) * late.slope_weight),
             rate_at_n: cable.force_n(late.level_n),
         };
         self.learnt.sag.update(|sag| sag.learn(&rest, cable));

@@ -26,9 +26,9 @@ impl Ended {
         (peak, low): (ForcePoint, ForcePoint),
         last_hidden: Option<u32>,
     ) -> Self {
-        let (last, rest_weight) = (detector.last().index, detector.rest_weight());
+        let (last, rest_weight) = (detector.last.index, detector.rest_weight());
         let by = By::Slip(SeenSlip { peak, low, last, rest_weight, last_hidden });
-        Self { stick: *detector.ended(), by }
+        Self { stick: detector.ended, by }
     }
 
     /// Ended by a gap, or by the end of the test, at an index.

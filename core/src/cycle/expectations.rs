@@ -274,7 +274,7 @@ fn expected(learnt: Prior, guess: f32, spread: f32, noise_n2: f32) -> Prior {
 /// observations less unknowns, each unknown counted as far as the event and not its prior
 /// determines it.
 pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
-    let (mut squares, mut unknowns) = (fit.cost + data.after.residual(), UNKNOWNS as f32);
+    let (mut squares, mut unknowns) = (fit.cost + data.after.residual_n2, UNKNOWNS as f32);
     for ((prior, value), variance) in
         data.priors.with_values(fit.cycle()).into_iter().zip(fit.variances)
     {

@@ -20,7 +20,7 @@ impl CycleTracker {
     /// First estimate of `mu_s` when a slip begins, from the stick line, with the onset anywhere in
     /// the last two periods.
     pub(crate) fn onset(&self, detector: &Detector) -> Option<Provisional> {
-        let (stick, now) = (detector.stick(), detector.last());
+        let (stick, now) = (&detector.stick, detector.last);
         let line = stick.line_from(now.index);
         let (slope, noise_n, time) = (line.slope()?, detector.noise_n()?, -1.0);
         // A uniform distribution over two periods has a standard deviation of 1/√3 of its

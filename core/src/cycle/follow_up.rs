@@ -92,13 +92,13 @@ impl CycleTracker {
                 };
                 let next =
                     self.pending.insert(SlipRecord::new(detector, stick, start, slip, cable));
-                next.gather(detector.window(), slip);
+                next.gather(&detector.window, slip);
                 if next.wander.is_disputed() {
                     let angle = self.learnt.oscillation.read(|it| it.angle(next.wander.angle));
-                    next.take_oscillation(detector.window(), stick, angle);
+                    next.take_oscillation(&detector.window, stick, angle);
                 }
                 if may_sag {
-                    next.take_late(detector.window(), stick);
+                    next.take_late(&detector.window, stick);
                 }
                 if detector.waiting() > LATE { Work::Answered(None) } else { Work::Gathered }
             }
@@ -150,7 +150,7 @@ impl CycleTracker {
             let (stick, end) = (&ended.stick, ended.end());
             let creep_periods = self.learnt.creep_periods();
             let last = self.pending.as_ref().and_then(|slip| slip.last_before(creep_periods));
-            finishing.give_lines(stick, detector.window(), end, last);
+            finishing.give_lines(stick, &detector.window, end, last);
             let (slip, after) = (&mut finishing.slip, &finishing.after);
             let periods = since(slip.origin, end) - slip.low.time;
             let rest = (after, stick.highest.force_n);

@@ -88,7 +88,7 @@ impl Default for Work {
 }
 
 /// Builds events.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct CycleTracker {
     site: Site,
     learnt: Expectations,
@@ -121,23 +121,8 @@ impl CycleTracker {
     // In one piece: field by field, where it is called, it takes some hundred bytes of flash more.
     #[inline(never)]
     pub(crate) fn new(site: Site, effects: Effects) -> Self {
-        Self {
-            site,
-            learnt: Expectations::new(effects, site.momentum),
-            pending: None,
-            finishing: None,
-            ended: None,
-            work: Work::default(),
-            levels: Kept::default(),
-            suspect: None,
-            last_stop: None,
-            last_load: None,
-            rested: None,
-            count: 0,
-            slides: false,
-            recurrence: Recurrence::default(),
-            slackness: Slackness::default(),
-        }
+        let learnt = Expectations::new(effects, site.momentum);
+        Self { site, learnt, ..Self::default() }
     }
 
     /// Decrements the event count: the last event turned out to be no slip.
@@ -156,13 +141,13 @@ impl CycleTracker {
         last_hidden: Option<u32>,
         answers: &mut Answers,
     ) {
-        let mut spent = detector.spent();
+        let mut spent = detector.spent;
         let ended = match transition {
             Some(Transition::Restick { peak, low }) => {
                 Some(Ended::by_slip(detector, (peak, low), last_hidden))
             }
             // The stick line that a long gap ends also ends the pending event.
-            Some(Transition::Lost) => Some(Ended::by_loss(detector.ended(), detector.lost())),
+            Some(Transition::Lost) => Some(Ended::by_loss(&detector.ended, detector.lost())),
             None | Some(Transition::Onset | Transition::Cancelled) => None,
         };
         if ended.is_some() {
@@ -218,8 +203,8 @@ impl CycleTracker {
         while answers.finished.is_none() {
             if self.is_idle() {
                 self.pending.as_ref()?;
-                let end = detector.last().index + 1;
-                self.ended = Some(Ended::by_loss(detector.stick(), end));
+                let end = detector.last.index + 1;
+                self.ended = Some(Ended::by_loss(&detector.stick, end));
             }
             self.advance(detector, &mut answers);
         }

@@ -163,7 +163,7 @@ impl CycleTracker {
     fn of_fit(&self, posterior: &Posterior, slip: &SlipRecord) -> Belief {
         let Posterior { cycle, variances: [_, of_rate, _, of_drop, of_swing, ..], .. } = *posterior;
         let (site, learnt) = (self.site(), &self.learnt);
-        let (rate, swing) = (learnt.rate.now(), learnt.inverse_omega.now());
+        let (rate, swing) = (learnt.rate.now, learnt.inverse_omega.now);
         // Decided by the mean swing of all events, not by that of a single one.
         let periods = slip.limit - cycle.onset;
         let folded =
@@ -187,12 +187,9 @@ impl CycleTracker {
             || !refusal::is_no_chance(shown)
             || ((is_fast || slip.reaches_zero(cycle.rate)) && own.is_low());
         let hangs = !agrees_with_winch && cycle.dynamic_n() < LEAST_UNCONFIRMED * cycle.static_n;
-        if !is_fast {
-            return Belief { folded, unsure, hangs, agrees_with_winch: false };
-        }
-        let determines = posterior.determines_swing(of_swing);
+        let determines = is_fast && posterior.determines_swing(of_swing);
         let folded = folded || (determines && own.is_folded(periods));
-        Belief { folded, agrees_with_winch, unsure, hangs }
+        Belief { folded, agrees_with_winch: is_fast && agrees_with_winch, unsure, hangs }
     }
 
     /// The event with its coefficients, and with omega where the slip is resolved.

@@ -31,7 +31,7 @@ impl CycleTracker {
 
     /// Is the standard deviation of omega less than a third of it?
     fn determines_omega(&self) -> bool {
-        let (swing, variance) = self.learnt.usual_swing().now();
+        let (swing, variance) = self.learnt.usual_swing().now;
         9.0 * variance < swing * swing
     }
 

@@ -25,7 +25,7 @@ impl Detector {
     /// after a gap?
     #[inline(always)]
     pub(super) fn may_end_line(&self) -> bool {
-        let newest = self.window.end().wrapping_sub(1);
+        let newest = self.window.end.wrapping_sub(1);
         let index = if self.is_behind { self.window.first_from(self.next) } else { newest };
         match self.phase {
             Phase::Unknown => false,
@@ -50,12 +50,12 @@ impl Detector {
     pub(crate) fn catch_up(&mut self, most: u32, is_full: bool) -> Option<Transition> {
         for examined in 0..most {
             let waits = is_full && examined > 0 && self.may_end_line();
-            if self.is_up_to_date() || waits {
+            if !self.is_behind || waits {
                 return None;
             }
             let index = self.window.first_from(self.next);
             self.next = index + 1;
-            let left = self.window.end() - self.next;
+            let left = self.window.end - self.next;
             (self.is_behind, self.put_off) = (left > 0, self.put_off.min(left));
             if let Some(force_n) = self.window.get(index) {
                 let transition = self.look(ForcePoint { index, force_n });
@@ -65,11 +65,6 @@ impl Detector {
             }
         }
         None
-    }
-
-    /// Has every sample been examined?
-    pub(crate) fn is_up_to_date(&self) -> bool {
-        !self.is_behind
     }
 
     /// Number of waiting samples; zero while those that are examined again wait for nothing else.

@@ -43,11 +43,17 @@ pub(super) fn whole(periods: f32) -> u32 {
     (periods + 0.5) as u32
 }
 
+/// Samples by which the line stays behind: by the usual fall, the usual rise and creep, periods.
+#[inline(never)]
+pub(super) fn delay(usual_fall: f32, usual_rise: f32, creep_periods: f32) -> u32 {
+    let before = (0.3 * usual_fall + creep_periods) as u32;
+    (2 + before + whole(usual_rise)).min(WINDOW as u32 / 4)
+}
+
 impl Detector {
     /// Sets the delay of the line from the usual fall, the usual rise and the time of creep.
     pub(super) fn update_delay(&mut self) {
-        let before = (0.3 * self.usual_fall + self.creep_periods) as u32;
-        self.line_delay = (2 + before + whole(self.usual_rise)).min(WINDOW as u32 / 4);
+        self.line_delay = delay(self.usual_fall, self.usual_rise, self.creep_periods);
     }
 
     /// Takes samples into the line, at a delay long enough that neither a slip that has begun

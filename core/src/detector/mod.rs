@@ -43,6 +43,7 @@ pub use crate::detector::onset::FIRST_DROP;
 pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
+use crate::detector::line_following::delay;
 use crate::detector::rest_noise::{Look, SHORT};
 use crate::detector::slack_wait::SlackWait;
 use crate::effect::{Effect, Effects, Kept};
@@ -86,33 +87,33 @@ pub enum Transition {
 #[repr(C)]
 pub struct Detector {
     /// Newest sample looked at.
-    last: ForcePoint,
+    pub(crate) last: ForcePoint,
     /// Standard deviations of a sample's noise and of the innovations, N; infinite before known.
-    std_n: f32,
+    pub(crate) std_n: f32,
     line_std_n: f32,
     /// Samples by which the line stays behind the newest one.
     line_delay: u32,
     /// Usual drop of a slip, a running estimate, N; zero before the first slip.
-    usual_drop_n: f32,
+    pub(crate) usual_drop_n: f32,
     effects: Effects,
     /// Work of the newest step beyond that of one at rest, in units of 160 instructions on the
     /// board.
-    spent: usize,
+    pub(crate) spent: usize,
     /// Samples that waited when one was last put off.
     put_off: u32,
     phase: Phase,
     /// Are there samples in the window that have not been examined?
-    is_behind: bool,
+    pub(crate) is_behind: bool,
     /// The cable may hang slack: the stick line has yet to start.
     slack_wait: Option<SlackWait>,
-    stick: Stick,
+    pub(crate) stick: Stick,
     ripple: Kept<Ripple, { Effect::Ripple.room() }>,
     profile: Kept<FlopProfile, { Effect::Flop.room() }>,
     noise: Noise,
-    window: Window,
+    pub(crate) window: Window,
     /// First index that has not been examined, while `is_behind`.
     next: u32,
-    ended: Stick,
+    pub(crate) ended: Stick,
     lowest: ForcePoint,
     /// Largest noise that the samples were examined with, N.
     judged_with_n: f32,
@@ -132,7 +133,9 @@ impl Detector {
     /// Before the first sample, for a rate in hertz.
     #[must_use]
     pub fn new(rate_hz: f32, effects: Effects) -> Self {
-        let mut new = Self {
+        // Initial value, a fifth of a second: the first slip replaces it.
+        let usual_fall = 0.2 * rate_hz;
+        Self {
             effects,
             window: Window::new(),
             noise: Noise::new(),
@@ -152,16 +155,13 @@ impl Detector {
             next: 0,
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
-            // Initial value, a fifth of a second: the first slip replaces it.
-            usual_fall: 0.2 * rate_hz,
+            usual_fall,
             usual_rise: 0.0,
-            line_delay: 0,
+            line_delay: delay(usual_fall, 0.0, 0.0),
             creep_periods: 0.0,
             middle_n: 0.0,
             ceiling_n: f32::NEG_INFINITY,
-        };
-        new.update_delay();
-        new
+        }
     }
 
     /// Takes a good sample with an index past all earlier ones. Where the cycles are full, so that

@@ -168,7 +168,7 @@ impl Detector {
         let drop = self.stick.highest.force_n - next.force_n;
         drop > 0.0
             && self.phase == Phase::Stick
-            && self.is_up_to_date()
+            && !self.is_behind
             && drop < LARGEST_DROP * self.usual_drop_n
             && self.slips(next)
     }

@@ -1,40 +1,13 @@
 //! The detector's results for other modules, and what the events set in it.
 
-use crate::detector::{Detector, Stick};
-use crate::sample::{ForcePoint, Phase};
-use crate::signal::window::Window;
+use crate::detector::Detector;
+use crate::sample::Phase;
 
 impl Detector {
-    /// Work of the newest step beyond that of one at rest, in units of 160 instructions on the
-    /// board.
-    pub(crate) fn spent(&self) -> usize {
-        self.spent
-    }
-
     /// What the block is doing.
     #[must_use]
     pub fn phase(&self) -> Phase {
         self.phase
-    }
-
-    /// The newest sample looked at.
-    pub(crate) fn last(&self) -> ForcePoint {
-        self.last
-    }
-
-    /// The last samples.
-    pub(crate) fn window(&self) -> &Window {
-        &self.window
-    }
-
-    /// The stick line since the last re-stick.
-    pub(crate) fn stick(&self) -> &Stick {
-        &self.stick
-    }
-
-    /// The stick line before the last slip, or before the last long gap.
-    pub(crate) fn ended(&self) -> &Stick {
-        &self.ended
     }
 
     /// The first index after the rest that a long gap, or a fall without end, has ended.
@@ -42,19 +15,9 @@ impl Detector {
         self.ended.next + self.line_delay
     }
 
-    /// Standard deviation of the noise, N, to about 10 %; infinite before it is known.
-    pub(crate) fn std_n(&self) -> f32 {
-        self.std_n
-    }
-
     /// Standard deviation of the noise, N, to about 10 %; `None` before it is known.
     pub(crate) fn noise_n(&self) -> Option<f32> {
         (self.std_n < f32::INFINITY).then_some(self.std_n)
-    }
-
-    /// Usual drop of a slip, N; zero before the first.
-    pub(crate) fn usual_drop_n(&self) -> f32 {
-        self.usual_drop_n
     }
 
     /// Takes the noise, N, estimated from the residuals of all events so far; `believed` if the

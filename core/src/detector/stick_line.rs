@@ -47,6 +47,7 @@ impl Stick {
     }
 
     /// The initial line, from the last re-stick on; times from an index on.
+    #[inline(never)]
     pub(crate) fn first_from(&self, index: u32) -> Line {
         self.first.map_or_else(|| self.line_from(index), |first| moved(first, self.origin, index))
     }
@@ -106,7 +107,7 @@ impl Stick {
     /// Takes a sample into the line; `weight` is one over the sample's variance.
     #[inline(always)]
     pub(super) fn take(&mut self, time: f32, force_n: f32, weight: f32) {
-        self.line.take(time, force_n, weight, weight);
+        self.line.add(time, force_n, weight, weight);
         if self.line.time >= MOST_MEAN_TIME {
             self.line.shift(MOST_MEAN_TIME);
             self.line_origin += MOST_MEAN_TIME as u32;

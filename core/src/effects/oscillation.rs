@@ -157,7 +157,7 @@ impl Oscillation {
             self.usual_n = Some(event.forces_n);
             return;
         };
-        let gain = larger(1.0 / (2.0 + self.sum.count()), GAIN);
+        let gain = larger(1.0 / (2.0 + self.sum.count), GAIN);
         let mut score = Score::default();
         for ((usual_n, force_n), by_n) in usual_n.iter_mut().zip(event.forces_n).zip(event.by_n) {
             let off_n = force_n - *usual_n;
@@ -170,7 +170,7 @@ impl Oscillation {
 
     /// Estimate of the share of the oscillation that is the cable's, and one over its variance.
     fn estimate(&self) -> (f32, f32) {
-        let few = 1.0 + FEW / (self.sum.count() - 1.0);
+        let few = 1.0 + FEW / (self.sum.count - 1.0);
         let weight = if self.sum.counts() { 1.0 / (few * self.sum.variance()) } else { 0.0 };
         (self.sum.value(), weight)
     }

@@ -91,7 +91,7 @@ impl Sag {
     fn clear(&self, low_n: f32) -> Option<(f32, f32)> {
         /// Largest softness, as a part of the cube of the lowest force.
         const MOST: f32 = 4.0;
-        let (mean, variance) = self.softness.now();
+        let (mean, variance) = self.softness.now;
         let of_a_rest = 1.0 / self.softness.prior(1.0).weight;
         let least = larger(CLEAR * CLEAR * variance, ALIKE * ALIKE * of_a_rest);
         let is_taut = mean < MOST * low_n * low_n * low_n;
@@ -124,7 +124,7 @@ impl Sag {
         };
         let (mut sure, mut unsure) = (0.0, mean * mean);
         if was_bent || self.clear(low_n).is_some() {
-            let (_, variance) = self.softness.now();
+            let (_, variance) = self.softness.now;
             sure = larger(mean - variance / mean, 0.0);
             unsure = (mean - sure) * (mean - sure) + variance;
         }

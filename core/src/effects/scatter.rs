@@ -38,10 +38,10 @@ impl SlipScatter {
         if more <= 0.0 {
             return 0.0;
         }
-        let limit = SIGNIFICANT * math::sqrt(2.0 / self.pooled.free());
+        let limit = SIGNIFICANT * math::sqrt(2.0 / self.pooled.free);
         // With few degrees of freedom the estimate may be far too small: corrected by about the
         // ratio of Student's variance to the normal one.
-        let few = 1.0 + 2.0 / self.pooled.free();
+        let few = 1.0 + 2.0 / self.pooled.free;
         if more > limit { few * more * surely(more, limit) / self.shown } else { 0.0 }
     }
 
@@ -49,7 +49,7 @@ impl SlipScatter {
     pub(crate) fn parameter(&self, noise_n2: f32) -> Option<Parameter> {
         let (ratio, excess) = (self.pooled.variance_n2()?, self.excess());
         let value = math::sqrt(excess * noise_n2);
-        let relative = ratio / (ratio - 1.0) * math::sqrt(0.5 / self.pooled.free());
+        let relative = ratio / (ratio - 1.0) * math::sqrt(0.5 / self.pooled.free);
         (excess > 0.0).then_some(Parameter { name: "scatter_n", value, std: relative * value })
     }
 
@@ -77,7 +77,7 @@ impl SlipScatter {
         }
         if slip.squares.is_finite() && slip.free > LEAST {
             self.pooled.add(slip.squares, slip.free, LARGEST);
-            let part = slip.free / larger(self.pooled.free(), slip.free);
+            let part = slip.free / larger(self.pooled.free, slip.free);
             self.shown += part * (slip.shown / slip.free - self.shown);
         }
     }

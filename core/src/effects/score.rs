@@ -105,7 +105,8 @@ pub(crate) struct Score {
 /// Sums of the events' scores and information for one amplitude, with a fading memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ScoreSum {
-    count: f32,
+    /// Number of events in the sums; the past fades.
+    pub(crate) count: f32,
     /// Sums over events, in units of the noise variance.
     information: f32,
     score: f32,
@@ -143,11 +144,6 @@ impl ScoreSum {
     #[inline(never)]
     pub(crate) fn variance(&self) -> f32 {
         larger(self.chi_square / (self.count - 1.0), 1.0) / self.information
-    }
-
-    /// Number of events in the sums; the past fades.
-    pub(crate) fn count(&self) -> f32 {
-        self.count
     }
 
     /// Are there enough events for the amplitude to count?

@@ -164,23 +164,29 @@ impl Data<'_> {
         let cycle = shape.cycle();
         let (before, after) = (self.before, self.after);
         let model = self.model(shape);
-        let since_onset = before.time - cycle.onset;
-        let mut level = shape.before(since_onset);
-        level.0 += model.shift_n(since_onset);
-        add_level(normal, before, &self.wander, &level);
+        self.add_level(normal, before, &model, &shape.before(before.time - cycle.onset));
         if let Some((slope, weight)) = slope(before, &self.wander) {
             normal.add_one(slope - cycle.rate, 1, weight);
         }
-        let since_onset = after.time - cycle.onset;
-        let mut level = shape.after(since_onset);
-        level.0 += model.shift_n(since_onset);
-        add_level(normal, after, &self.wander, &level);
+        self.add_level(normal, after, &model, &shape.after(after.time - cycle.onset));
         if let Some((slope, weight)) = slope(after, &self.wander) {
             let rate = cycle.rate + cycle.rate_change;
             normal.add(slope - rate, &[0.0, 1.0, 0.0, 0.0, 0.0, 1.0], weight);
         }
         for (unknown, (prior, value)) in self.priors.with_values(cycle).into_iter().enumerate() {
             normal.add_one(prior.mean - value, unknown, prior.weight);
+        }
+    }
+
+    /// Adds the level of a line as one observation, its variance increased by the wander. `at` is
+    /// the force of sharp corners there, and its gradient.
+    fn add_level(&self, normal: &mut Normal, line: &Line, model: &Model<'_>, at: &(f32, Gradient)) {
+        if line.weight > 0.0 {
+            let level_n = at.0 + model.shift_n(line.time - model.shape.cycle().onset);
+            // The unknown rate is the one next to the slip: from there to the middle of the line the
+            // force wanders.
+            let far = self.wander.level + self.wander.slope * line.time * line.time;
+            normal.add(line.level_n - level_n, &at.1, loosened(line.weight, far));
         }
     }
 
@@ -247,17 +253,7 @@ impl Model<'_> {
     }
 }
 
-/// Adds the level of a line as one observation, its variance increased by the wander.
-fn add_level(normal: &mut Normal, line: &Line, wander: &Wander, level: &(f32, Gradient)) {
-    if line.weight > 0.0 {
-        // The unknown rate is the one next to the slip: from there to the middle of the line the
-        // force wanders.
-        let far = wander.level + wander.slope * line.time * line.time;
-        normal.add(line.level_n - level.0, &level.1, loosened(line.weight, far));
-    }
-}
-
 /// Slope of a line, and its weight.
 fn slope(line: &Line, wander: &Wander) -> Option<(f32, f32)> {
-    Some((line.slope()?, loosened(line.slope_weight(), wander.slope)))
+    Some((line.slope()?, loosened(line.slope_weight, wander.slope)))
 }

@@ -12,7 +12,8 @@ use crate::stats::quantile::Quantile;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Residuals {
     squares_n2: f32,
-    free: f32,
+    /// Number of pooled degrees of freedom.
+    pub(crate) free: f32,
     median_n2: Quantile,
 }
 
@@ -73,11 +74,6 @@ impl Residuals {
     #[inline(never)]
     fn usual_n2(&self, rough_n2: f32) -> f32 {
         self.median_n2.value().unwrap_or(ROUGH * rough_n2)
-    }
-
-    /// Number of pooled degrees of freedom.
-    pub(crate) fn free(&self) -> f32 {
-        self.free
     }
 
     /// Variance of the noise, N²; `None` before the first event.

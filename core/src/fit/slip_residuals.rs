@@ -93,13 +93,13 @@ impl Data<'_> {
         let (from, to) = self.samples.slip;
         // At least 1, also for a slip whose ends are NaN.
         let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
-        let inside = self.samples.good().filter(|&(time, _)| time > from && time < to);
-        let used = inside.step_by(stride).take(MOST);
+        let inside = self.samples.good().filter(|&(time, _)| time > from && time < to).enumerate();
+        let used = inside.filter(|(number, _)| number.is_multiple_of(stride)).take(MOST);
         let model = self.model(&fit.shape);
         // Of each sample used so far: its steepness, and the shift of the unknowns by its error.
         let mut others = [(0.0, Gradient::default()); MOST];
         let mut swing_by_scatter = 0.0;
-        for (place, (time, measured_n)) in used.enumerate() {
+        for (place, (_, (time, measured_n))) in used.enumerate() {
             let steepness = steepness((time - from) / (to - from));
             let (off_n, gradient) = model.residual(time, measured_n);
             let weighted = scaled(&gradient, self.samples.weight(time));

@@ -108,7 +108,7 @@ impl FlopProfile {
         let (mut v, step) = (1.0, math::exp(-taper));
         // Variances of the line's level at its mean time and of its slope, units of a late
         // sample's.
-        let (level, turn) = (1.0 / line.weight, 1.0 / line.slope_weight());
+        let (level, turn) = (1.0 / line.weight, 1.0 / line.slope_weight);
         let (mut early, mut late_n2, mut late) = (self.early, 0.0, 0.0);
         self.each(forces_n, |age, force_n, variance| {
             if !force_n.is_nan() {

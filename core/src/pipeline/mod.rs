@@ -167,8 +167,8 @@ impl Pipeline {
         if let Some(force_n) = step.sample.force_n {
             let newest = ForcePoint { index: step.sample.index, force_n };
             // The noise of a sample is the root of a block's length times that of the block.
-            let noise_n = self.detector.std_n() * self.block_root;
-            match self.spikes.step(newest, noise_n, self.detector.usual_drop_n()) {
+            let noise_n = self.detector.std_n * self.block_root;
+            match self.spikes.step(newest, noise_n, self.detector.usual_drop_n) {
                 Judged::Nothing => {}
                 Judged::Spike(spike) => {
                     self.counters.rejected += 1;
@@ -217,8 +217,8 @@ impl Pipeline {
     fn follow(&mut self, transition: Option<Transition>, step: &mut Step) {
         // A cancelled fall does not end a constant force.
         if let Some(Transition::Restick { .. } | Transition::Lost) = transition {
-            let highest = self.detector.ended().highest;
-            let is_new = self.detector.is_up_to_date();
+            let highest = self.detector.ended.highest;
+            let is_new = !self.detector.is_behind;
             self.stretches.interrupt(is_new.then(|| highest.index.saturating_sub(1)));
             self.detector.stays_below(None);
         }

@@ -9,7 +9,7 @@ pub const WINDOW: usize = 256;
 #[repr(C)]
 pub(crate) struct Window {
     /// One past the newest index.
-    end: u32,
+    pub(crate) end: u32,
     /// The first index of all.
     first: u32,
     /// NaN where there is no good sample.
@@ -43,11 +43,6 @@ impl Window {
         for skipped in self.end.max(index.saturating_sub(WINDOW as u32))..index {
             self.set(skipped, f32::NAN);
         }
-    }
-
-    /// One past the newest index; 0 before the first sample.
-    pub(crate) fn end(&self) -> u32 {
-        self.end
     }
 
     /// Force at an index, if it is in the window and was good.

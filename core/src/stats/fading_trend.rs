@@ -53,7 +53,7 @@ pub(crate) struct FadingTrend {
     strangers: u8,
     /// Expected value of the next event, and its variance without that between events; zeros before
     /// the first event.
-    now: (f32, f32),
+    pub(crate) now: (f32, f32),
 }
 
 impl FadingTrend {
@@ -122,7 +122,7 @@ impl FadingTrend {
     /// in so far as it is significant.
     fn at(&self, time: f32) -> (f32, f32) {
         let slope = self.line.slope().unwrap_or(0.0);
-        let size = slope * slope * self.line.slope_weight();
+        let size = slope * slope * self.line.slope_weight;
         let near = surely(size, TREND * TREND * self.unit) * (time - self.line.time);
         let time = self.line.time + near;
         (self.line.at(time, slope), self.unit * self.line.leverage(time))
@@ -143,11 +143,6 @@ impl FadingTrend {
     /// Expected value of the next event; `None` before the first event.
     pub(crate) fn mean(&self) -> Option<f32> {
         (self.count > 0.0).then_some(self.now.0)
-    }
-
-    /// Expected value, and its variance without that between events; zeros before the first event.
-    pub(crate) fn now(&self) -> (f32, f32) {
-        self.now
     }
 
     /// Expected value, with the standard deviation of [`Self::now`]; `None` before the first event.

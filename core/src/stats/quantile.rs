@@ -24,16 +24,15 @@ const FEWEST: u32 = 8;
 impl Quantile {
     /// Takes a number at or above zero; `part` is the probability of the quantile.
     pub(crate) fn add(&mut self, size: f32, part: f32) {
-        if self.count >= SETTLED {
-            self.follow(size, part, SMALLEST_GAIN);
+        let gain = if self.count >= SETTLED {
+            SMALLEST_GAIN
+        } else if self.count >= FEWEST {
+            self.count += 1;
+            4.0 / self.count as f32
         } else {
-            self.start(size, part);
-        }
-    }
-
-    /// Moves the value by factors that balance when the part `part` of the numbers lies below it.
-    #[inline(always)]
-    fn follow(&mut self, size: f32, part: f32, gain: f32) {
+            return self.start(size, part);
+        };
+        // Factors that balance when the part `part` of the numbers lies below the value.
         self.value = if size > self.value {
             // A value of zero (a noiseless start) cannot grow by a factor: it grows to a thousandth
             // of the number. But at most it doubles, for a knock is no noise.
@@ -44,16 +43,12 @@ impl Quantile {
         };
     }
 
-    /// Sorts the first eight numbers, whose quantile is the initial estimate; after them the steps
-    /// are larger at first.
+    /// Sorts the first eight numbers, whose quantile is the initial estimate.
     fn start(&mut self, mut size: f32, part: f32) {
-        if self.count >= FEWEST {
-            self.count += 1;
-            let gain = larger(4.0 / self.count as f32, SMALLEST_GAIN);
-            return self.follow(size, part, gain);
-        }
         for entry in &mut self.largest {
-            (*entry, size) = (larger(*entry, size), smaller(*entry, size));
+            if size > *entry {
+                core::mem::swap(entry, &mut size);
+            }
         }
         self.count += 1;
         // Meaningful once there are all eight.

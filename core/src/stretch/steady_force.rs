@@ -27,7 +27,7 @@ const BEFORE_ALL: ForcePoint = ForcePoint { index: RawSample::LAST_INDEX + 1, fo
 
 /// Finds constant forces.
 // Field order: first what every sample touches.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub(super) struct SteadyForce {
     pub(super) last: ForcePoint,
@@ -54,19 +54,8 @@ pub(super) type Steady = (u32, u32, Line, bool);
 
 impl SteadyForce {
     pub(super) fn new(rate_hz: f32) -> Self {
-        Self {
-            block: larger(rate_hz, LEAST_BLOCK) as u32,
-            start: 0,
-            last: BEFORE_ALL,
-            count: 0,
-            mean_n: 0.0,
-            steps_n2: 0.0,
-            squares_n2: 0.0,
-            variance_n2: 0.0,
-            means: Line::default(),
-            noise_n2: 0.0,
-            scatters: false,
-        }
+        let block = larger(rate_hz, LEAST_BLOCK) as u32;
+        Self { block, last: BEFORE_ALL, ..Self::default() }
     }
 
     /// Takes a sample; does it fill a block?
@@ -145,7 +134,7 @@ impl SteadyForce {
     #[inline(never)]
     fn scatter_n2(&self, noise_n2: f32) -> f32 {
         let free = larger(self.means.count as f32 - 2.0, 1.0);
-        larger(self.means.residual() / free, larger(self.noise_n2, noise_n2))
+        larger(self.means.residual_n2 / free, larger(self.noise_n2, noise_n2))
     }
 
     fn rises(&self) -> bool {
@@ -155,6 +144,6 @@ impl SteadyForce {
     /// Square of the slope of the means over its variance, with the sign of the slope.
     fn slope_over_std2(&self) -> f32 {
         let slope = self.means.slope().unwrap_or(0.0);
-        slope * slope.abs() * self.means.slope_weight() / self.scatter_n2(0.0)
+        slope * slope.abs() * self.means.slope_weight / self.scatter_n2(0.0)
     }
 }

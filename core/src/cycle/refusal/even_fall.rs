@@ -87,7 +87,7 @@ fn falls_to_zero(slip: &SlipRecord) -> bool {
 
 /// Is a line significantly likelier than half a cosine, for an unknown noise variance?
 fn is_likelier(straight: &Line, cosine: &Line) -> bool {
-    let likelier = straight.count as f32 * math::ln(cosine.residual() / straight.residual());
+    let likelier = straight.count as f32 * math::ln(cosine.residual_n2 / straight.residual_n2);
     // False for a force without any noise, and for NaN.
     likelier > LIKELIER
 }
@@ -120,7 +120,7 @@ fn noise_n2(slip: &SlipRecord, after: &Line) -> f32 {
 
 /// Variance of the samples about their own line, N²; NaN for two samples.
 fn own_n2(straight: &Line) -> f32 {
-    straight.residual() / (straight.count as f32 - 2.0)
+    straight.residual_n2 / (straight.count as f32 - 2.0)
 }
 
 /// Is a straight fall slower than a slip with this swing `s`, periods? Wherever the samples lie,
@@ -129,7 +129,7 @@ fn is_slow(slip: &SlipRecord, swing: f32, straight: &Line, noise_n2: f32) -> boo
     let angle = smaller(1.0 / swing, core::f32::consts::FRAC_PI_2);
     let part = 0.5 * math::sin_cos(angle).0;
     let drop_n = slip.peak.force_n - slip.low.force_n;
-    let variance_n2 = noise_n2 * (2.0 * part * part + 1.0 / straight.slope_weight());
+    let variance_n2 = noise_n2 * (2.0 * part * part + 1.0 / straight.slope_weight);
     let slow_n = SLOW * part * drop_n - SURELY * math::sqrt(variance_n2);
     straight.slope().is_some_and(|slope| -slope < slow_n)
 }

@@ -81,7 +81,7 @@ pub(crate) fn of_fall(
 fn is_held(slip: &SlipRecord, rate: f32) -> bool {
     let before = &slip.before;
     let less = FLAT * rate - before.slope().unwrap_or(0.0);
-    is_no_chance((less, slip.noise_n2 / before.slope_weight()))
+    is_no_chance((less, slip.noise_n2 / before.slope_weight))
 }
 
 /// Does the fall have a sample between its ends? The fall of a cable that is let go has none.

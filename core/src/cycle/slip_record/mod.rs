@@ -105,7 +105,7 @@ impl SlipRecord {
         &SeenSlip { peak, low, rest_weight, .. }: &SeenSlip,
         elongation: Elongation,
     ) -> Self {
-        let (first, window) = (stick.next, detector.window());
+        let (first, window) = (stick.next, &detector.window);
         let noise_n = detector.noise_n().unwrap_or(1.0);
         let rough = Rough::new(stick, window, (peak, low), noise_n);
         let [peak, low] = [peak, low].map(|ForcePoint { index, force_n }| Extreme {

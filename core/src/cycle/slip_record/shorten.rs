@@ -9,7 +9,7 @@ impl SlipRecord {
     /// instead of each sample. Returns the squared residuals about the lines that this takes out of
     /// the fit, N².
     pub(crate) fn shorten(&mut self, after: &mut Line, (from, to): (f32, f32)) -> f32 {
-        let around_n2 = self.before.residual() + after.residual();
+        let around_n2 = self.before.residual_n2 + after.residual_n2;
         let place = |time: f32| (time - self.start) as usize;
         let first = place(from);
         let last = if after.count > 0 { place(to) } else { self.length };
@@ -30,7 +30,7 @@ impl SlipRecord {
         }
         self.start += first as f32;
         self.length = kept;
-        self.before.residual() + after.residual() - around_n2
+        self.before.residual_n2 + after.residual_n2 - around_n2
     }
 }
 

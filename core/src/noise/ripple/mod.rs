@@ -53,11 +53,8 @@ impl Ripple {
     /// innovation of a line never counts: a block that creeps bends the force down there, and if
     /// that counted as ripple the corners would not be found.
     pub(crate) fn add(&mut self, innovation: f32, weight: f32) {
-        let before = core::mem::replace(&mut self.held, (weight * innovation, weight));
-        self.count(before);
-    }
-
-    fn count(&mut self, (innovation, weight): (f32, f32)) {
+        let (innovation, weight) =
+            core::mem::replace(&mut self.held, (weight * innovation, weight));
         let [last, before, earlier, far] = self.last;
         self.last = [innovation, last, before, earlier];
         let step = innovation - last;
