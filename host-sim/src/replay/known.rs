@@ -170,6 +170,13 @@ impl KnownOptions {
         before.zip(after).map(|(before_n, after_n)| Zero { before_n, after_n })
     }
 
+    /// Whether a zero was stated, before or after the test.
+    #[must_use]
+    pub fn says_zero(&self, said: &KnownMetadata) -> bool {
+        let [.., before, after] = self.or(said);
+        before.or(after).is_some()
+    }
+
     /// The zero to subtract from the forces.
     #[must_use]
     pub fn zero(&self, log: &Log) -> Zero {
