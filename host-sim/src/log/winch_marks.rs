@@ -15,6 +15,22 @@ pub struct WinchMark {
     pub turns: bool,
 }
 
+impl WinchMark {
+    /// What to say of a mark without effect: one that comes more than a second after the end of its
+    /// log, at `end_s`.
+    #[must_use]
+    pub fn after(&self, end_s: f64) -> Option<String> {
+        let winch = word(Winch::ALL, if self.turns { &Winch::Moving } else { &Winch::Held });
+        (self.from_s > end_s + 1.0).then(|| {
+            format!(
+                "the mark '{winch} {}' comes after the end of the log at {end_s:.2} s and has no effect: \
+                 write the log's own seconds",
+                self.from_s
+            )
+        })
+    }
+}
+
 /// The marks in a text such as `held 60.25, moving 75.5`.
 pub(super) fn parse(text: &str) -> Result<Vec<WinchMark>, String> {
     let mut words = text.split_whitespace();

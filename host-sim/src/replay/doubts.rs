@@ -8,6 +8,7 @@ use super::given;
 use super::known::KnownOptions;
 use super::quantities::Quantities;
 use super::result::ReplayResult;
+use super::unsaid_zero;
 use crate::log::{Format, Log, Unit};
 use crate::rounding::{own_digits, plus_minus};
 
@@ -30,6 +31,8 @@ pub fn doubts(
         alias(log, config, report),
         // A cable that sags has two stiffnesses.
         other_stiffness(&result.quantities).filter(|_| !result.sags()),
+        unsaid_zero::warning(result, report.zero_std_n.into())
+            .filter(|_| !known.says_zero(&log.metadata().known)),
     ];
     let doubts = doubts.into_iter().flatten();
     let instead = given::instead(log, config, known);

@@ -143,7 +143,7 @@ impl<'a> Gathered<'a> {
         known: &KnownOptions,
     ) -> Result<ReplayResult, InputError> {
         let report = self.finish()?;
-        let Self { config, pipeline, mut events, changes, stretches, .. } = self;
+        let Self { config, pipeline, mut events, changes, stretches, mut winch_marks, .. } = self;
         events.start = log.start();
         let log_summary = LogSummary {
             path: path.to_string(),
@@ -171,7 +171,9 @@ impl<'a> Gathered<'a> {
             result.budget.iter_mut().for_each(|line| line.is_unmeasured = false);
         }
         let doubts = doubts::doubts(log, (config, known), &report, &result);
-        result.log.warnings = [log.warnings(), doubts, self.rails.warnings()].concat();
+        let late = winch_marks.next().and_then(|mark| mark.after(self.timeline.last_s()));
+        let late = late.into_iter().collect();
+        result.log.warnings = [log.warnings(), doubts, self.rails.warnings(), late].concat();
         Ok(result)
     }
 }

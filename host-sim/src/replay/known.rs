@@ -22,7 +22,8 @@ pub struct KnownOptions {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub slope_std_deg: Option<f64>,
     /// Standard deviation of the load cell's zero in newtons
-    /// [default: `# zero_std_n:` in the log, else 0.1 % of the largest force]
+    /// [default: `# zero_std_n:` in the log, else what two zeros leave between them (their difference
+    /// over the root of 12), else 0.1 % of the largest force of the events that count]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub zero_std_n: Option<f64>,
     /// Standard deviation of the load cell's span in percent
@@ -167,6 +168,13 @@ impl KnownOptions {
     pub fn both_zeros(&self, said: &KnownMetadata) -> Option<Zero> {
         let [.., before, after] = self.or(said);
         before.zip(after).map(|(before_n, after_n)| Zero { before_n, after_n })
+    }
+
+    /// Whether a zero was stated, before or after the test.
+    #[must_use]
+    pub fn says_zero(&self, said: &KnownMetadata) -> bool {
+        let [.., before, after] = self.or(said);
+        before.or(after).is_some()
     }
 
     /// The zero to subtract from the forces.

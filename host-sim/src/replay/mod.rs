@@ -30,6 +30,7 @@ pub mod stretches;
 pub mod table;
 pub mod test;
 pub mod timeline;
+mod unsaid_zero;
 
 use gathered::Gathered;
 use result::ReplayResult;

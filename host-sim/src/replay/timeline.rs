@@ -48,6 +48,12 @@ impl Timeline {
         self.first_s.map_or(0.0, |first_s| self.last.1 - first_s)
     }
 
+    /// Time of the last sample.
+    #[must_use]
+    pub fn last_s(&self) -> f64 {
+        self.last.1
+    }
+
     fn at(&self, index: u32) -> Option<(u32, f64)> {
         self.recent.get(index as usize % REMEMBERED).copied()?.filter(|&(i, _)| i == index)
     }

@@ -165,3 +165,44 @@ fn an_option_settles_a_contradiction_of_the_log() {
         assert!(!said.contains("as given"), "{said}");
     }
 }
+
+/// A rest before the pull and one after it show the zero of the cell, where nobody states one.
+#[test]
+fn a_zero_that_the_record_shows_is_asked_about() {
+    let path = directory("unsaid-zero").join("pull.csv");
+    let path = path.to_str().unwrap();
+    let pull = fs::read_to_string("logs/dff8-13.csv").unwrap();
+    let pull: Vec<f64> =
+        pull.lines().filter_map(|row| row.split_once(',')?.1.parse().ok()).collect();
+    let said = |zero_n: f64, arguments: &[&str]| {
+        let rest = |i: u32| zero_n + f64::from(i % 3) - 1.0;
+        let rests = || (0..320).map(rest);
+        let forces = rests().chain(pull.iter().map(|force_n| force_n + zero_n)).chain(rests());
+        let rows =
+            forces.enumerate().map(|(i, force_n)| format!("{},{force_n}\n", i as f64 / 16.0));
+        fs::write(path, format!("time_s,force_n\n{}", rows.collect::<String>())).unwrap();
+        let replayed = [&["replay", path, "--weight-n", "630", "--json"], arguments].concat();
+        json_with_warnings(&floe(&replayed))
+    };
+    let asked = said(7.0, &[]);
+    assert!(
+        asked.contains("--zero-before-n 7.0") && asked.contains("--zero-after-n 7.0"),
+        "{asked}"
+    );
+    assert!(!said(7.0, &["--zero-before-n", "7"]).contains("zero"));
+    assert!(!said(0.0, &[]).contains("zero"));
+}
+
+#[test]
+fn a_mark_after_the_end_of_the_log_is_told() {
+    let path = directory("late-mark").join("pull.csv");
+    let path = path.to_str().unwrap();
+    let pull = fs::read_to_string("logs/dff8-13.csv").unwrap();
+    let said = |marks: &str| {
+        fs::write(path, format!("# winch_marks_s: {marks}\n{pull}")).unwrap();
+        json_with_warnings(&floe(&["replay", path, "--json"]))
+    };
+    let told = said("held 60, moving 1000");
+    assert!(told.contains("the mark 'moving 1000' comes after the end of the log"), "{told}");
+    assert!(!said("held 0, moving 60").contains("mark"));
+}
