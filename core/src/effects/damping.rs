@@ -137,9 +137,9 @@ mod tests {
     #[test]
     fn what_is_found_widens_what_is_stated() {
         let stated = 0.005;
-        let std = |found: f32, events: u8| {
+        let std = |found: f32, sure: f32, events: u8| {
             let mut damping = Damping::default();
-            let event = Score { score: found, information: 1.0, ..Score::default() };
+            let event = Score { score: found * sure, information: sure, ..Score::default() };
             (0..events).for_each(|_| damping.0.learn(&event, 1.0));
             (damping.std(stated), damping.std(0.0))
         };
@@ -151,9 +151,24 @@ mod tests {
             (0.04, 9, math::hypotenuse(stated, 0.0425)),
             (0.9, 9, InputStd::MOST_DAMPING),
         ] {
-            let (widened, exact) = std(found, events);
+            let (widened, exact) = std(found, 1e8, events);
             assert!((widened - expected).abs() < 1e-6, "{found}, {events}: {widened}");
             assert!(exact.abs() < 1e-9, "{exact}");
         }
+    }
+
+    /// Slips of two samples leave the damping ratio uncertain by a tenth: what comes out by chance
+    /// only doubles the stated standard deviation. By a hundredth: the estimate counts nearly as it is.
+    #[test]
+    fn what_is_hardly_determined_widens_little() {
+        let widened = |found: f32, std: f32| {
+            let mut damping = Damping::default();
+            let information = 1.0 / (9.0 * std * std);
+            let event = Score { score: found * information, information, ..Score::default() };
+            (0..9).for_each(|_| damping.0.learn(&event, 1.0));
+            damping.std(0.005)
+        };
+        assert!((0.009..0.011).contains(&widened(0.1, 0.1)), "{}", widened(0.1, 0.1));
+        assert!((0.011..0.013).contains(&widened(0.01, 0.01)), "{}", widened(0.01, 0.01));
     }
 }
