@@ -101,3 +101,33 @@ fn a_first_sample_that_falls_hides_no_slip() {
         assert!(found * 10 > there * 9, "seed {seed}: {found} of {there}");
     }
 }
+
+/// Records that begin at any sample of a slip: the first event after it.
+#[test]
+fn a_record_that_begins_in_a_slip_reads_the_next_one_right() {
+    let scene = Scene { duration_s: 12.0, ..scenes()[0].clone() };
+    let config = Config { weight_n: scene.weight_n as f32, ..Config::default() };
+    let (mut read, mut covered, mut records) = (0, [0; 2], 0);
+    for seed in 1..=60 {
+        let simulation = simulate(&scene, seed).expect("a scene");
+        let forces_n: Vec<f64> = simulation.samples.iter().map(|sample| sample.force_n).collect();
+        let [slip, next] = [&simulation.events[0], &simulation.events[1]];
+        for first in (slip.onset_s * HZ).ceil() as usize..=(slip.stop_s * HZ) as usize {
+            records += 1;
+            let events = feed::replay(&config, feed::in_a_row(&forces_n[first..])).events;
+            let onset_s = next.onset_s - first as f64 / HZ;
+            let Some(event) = events.iter().find(|event| is_at(event, onset_s)) else { continue };
+            let Some(values) = event.mu_s.zip(event.mu) else { continue };
+            read += 1;
+            for (count, (got, truth)) in
+                covered.iter_mut().zip([(values.0, next.mu_s), (values.1, next.mu)])
+            {
+                *count +=
+                    usize::from((f64::from(got.value) - truth).abs() < 2.0 * f64::from(got.std));
+            }
+        }
+    }
+    println!("{read} of {records} read, {covered:?} covered");
+    assert!(read * 20 > records * 19, "{read} of {records}");
+    assert!(covered.iter().all(|it| it * 100 > read * 88), "{covered:?} of {read}");
+}

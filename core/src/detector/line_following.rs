@@ -80,15 +80,19 @@ impl Detector {
         }
     }
 
-    /// A record may begin in the middle of a slip. Then its first stick begins after the force has
-    /// stopped falling: what lies before is neither line nor flop. Before the noise is known no fall
-    /// is significant; once it is known, all samples are examined again. Where the first sample is the
-    /// only one of a slip no fall shows: it is left out if it lies above the line of the next two.
+    /// A record may begin in the middle of a slip: then its first line begins two samples after the
+    /// force has stopped falling, as after any slip, and its first stick too if the fall is long, since
+    /// what lies before is no flop. Before the noise is known no fall is significant; once it is
+    /// known, all samples are examined again. Where the first sample is the only one of a slip no
+    /// fall shows: it is left out if it lies above the line of the next two.
     #[cold]
     fn begins_in_slip(&mut self, newest: u32) -> bool {
         /// Twice the noise: a difference that one in five first samples exceeds, and about all that
         /// would bend the line.
         const ABOVE: f32 = 2.0;
+        /// Most samples of a fall that is too short to look like flop. Tuned: with none a record of
+        /// aliased slips (`aliased_fast`) has three coefficients.
+        const SHORT: u32 = 3;
         let first = self.stick.origin;
         let force_n = |index: u32| self.window.get(index).unwrap_or(f32::NAN);
         let mut low = first;
@@ -96,9 +100,13 @@ impl Detector {
             low += 1;
         }
         if force_n(first) - force_n(low) > OFF_LINE * self.std_n {
-            let start = low + 1;
-            self.stick = Stick::new(start, ForcePoint { index: start, force_n: f32::NEG_INFINITY });
-            self.look_back(start, newest);
+            self.stick.next = low + 2;
+            if low > first + SHORT {
+                let start = low + 1;
+                self.stick =
+                    Stick::new(start, ForcePoint { index: start, force_n: f32::NEG_INFINITY });
+                self.look_back(start, newest);
+            }
             return true;
         }
         let second_n = force_n(first) - 2.0 * force_n(first + 1) + force_n(first + 2);
