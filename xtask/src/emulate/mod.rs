@@ -97,8 +97,11 @@ pub struct Args {
 }
 
 /// Scenes that the board cannot run, because they are sampled at another rate.
-const OF_ANOTHER_RATE: [&str; 2] =
-    ["host-sim/scenes/honesty/rate_and_state_64.toml", "host-sim/scenes/paper/fig5-ellipse.toml"];
+const OF_ANOTHER_RATE: [&str; 3] = [
+    "host-sim/scenes/honesty/held_hum.toml",
+    "host-sim/scenes/honesty/rate_and_state_64.toml",
+    "host-sim/scenes/paper/fig5-ellipse.toml",
+];
 
 /// Runs every bundled log and every scene with the board's rate, and compares every event with the
 /// one computed on this PC.
