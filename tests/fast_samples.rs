@@ -25,9 +25,9 @@ fn heavy(rate_hz: f64) -> Scene {
 #[test]
 fn slips_longer_than_their_rests_are_read() {
     for rate_hz in [100.0, 250.0, 1000.0] {
-        let Score { detection, errors, read, .. } = Score::of(&heavy(rate_hz), usize::MAX, 4);
-        let read = read as f64 / (detection.hits + detection.misses) as f64;
-        let [mu_s, mu] = errors.map(|errors| errors.coverage());
+        let score = Score::of(&heavy(rate_hz), usize::MAX, 4);
+        let read = score.share_read();
+        let [mu_s, mu] = score.errors.map(|errors| errors.coverage());
         println!("{rate_hz} Hz: {read:.3} are read, cover {mu_s:.3} {mu:.3}");
         assert!(read > 0.95, "{rate_hz} Hz: {read} are read");
         assert!(mu_s.min(mu) > 0.88, "{rate_hz} Hz: {mu_s} {mu}");

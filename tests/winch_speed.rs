@@ -17,9 +17,9 @@ fn events_after_a_change_of_speed_are_read_and_covered() {
         let steps = vec![[0.0, 1.0], [9.0, factor]];
         let winch_profile = Some(WinchProfile::Steps { steps, period_s: Some(18.0) });
         let scene = Scene { winch_profile, ..stored("honesty/base") };
-        let Score { detection, errors, read, .. } = Score::of(&scene, usize::MAX, 6);
-        let read = read as f64 / (detection.hits + detection.misses) as f64;
-        let [mu_s, mu] = errors.map(|errors| errors.coverage());
+        let score = Score::of(&scene, usize::MAX, 6);
+        let read = score.share_read();
+        let [mu_s, mu] = score.errors.map(|errors| errors.coverage());
         println!("{factor}: {read:.3} are read, cover {mu_s:.3} {mu:.3}");
         assert!(read > 0.95, "{factor}: {read:.3} are read");
         assert!(mu_s.min(mu) > 0.9, "{factor}: {mu_s:.3} {mu:.3}");

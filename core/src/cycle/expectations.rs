@@ -16,7 +16,7 @@ use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::line::Line;
 use crate::stats::normal_equations::UNKNOWNS;
-use crate::stats::prior::{Prior, without_prior};
+use crate::stats::prior::{LEAST_OWN, Prior, without_prior};
 
 /// Estimates that the events share (loading rate, swing, rate change), the noise, and the state of
 /// each effect.
@@ -46,9 +46,6 @@ pub(crate) struct Expectations {
     momentum: f32,
 }
 
-/// Least part of a fitted precision that has to be the event's own for the value to be used: a
-/// smaller part may be what the last step of the fit left unsettled.
-const LEAST_OWN: f32 = 0.01;
 /// Least own part of a fitted precision for the test of the mass: another block differs by much.
 const LEAST_JUDGED: f32 = 0.003;
 /// Standard deviations of the first event's rate change within which the rate counts as steady.

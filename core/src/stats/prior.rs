@@ -6,8 +6,9 @@ use crate::num::math::smaller;
 /// with 2.5 the errors of the linear scenes are 2 % larger, with 3.5 the events of a winch whose speed
 /// wanders by 1 % cover .92 (.94) at 16 Hz.
 const CONTRADICTED: f32 = 3.0;
-/// Least part of a precision that has to be the event's own: less is rounding.
-const LEAST_OWN: f32 = 0.01;
+/// Least part of a fitted precision that has to be the event's own for the value to be used: a
+/// smaller part may be what the last step of the fit left unsettled.
+pub(crate) const LEAST_OWN: f32 = 0.01;
 
 /// Prior of a quantity: its expected value and its precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
