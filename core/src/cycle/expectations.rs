@@ -151,9 +151,10 @@ impl Expectations {
         math::sqrt(self.weight_ratio() * self.momentum / rate)
     }
 
-    /// Is the swing known from earlier events?
+    /// Is the swing known from earlier events? If few of them determine it, those are the ones that
+    /// came out long by chance.
     pub(crate) fn knows_omega(&self) -> bool {
-        self.inverse_omega.is_well_known()
+        self.inverse_omega.is_well_known(&self.rate)
     }
 
     /// The swing, periods, where it is known from earlier events.
@@ -188,9 +189,7 @@ impl Expectations {
         self.rate.forget();
         self.rate_change.forget();
         self.sag.update(Sag::forget);
-        if posterior.is_resolved() {
-            self.inverse_omega.forget();
-        }
+        self.inverse_omega.forget();
         let own =
             |value, variance, prior, least| without_prior(value, variance, prior, noise_n2, least);
         // The loading rate and the swing are above zero; the rate change may have any sign.

@@ -18,6 +18,10 @@ use crate::stats::quantity::Quantity;
 const MEMORY: f32 = 40.0;
 /// Least effective number of events (with forgetting) for an expectation: two events.
 const LEAST_EVENTS: f32 = 1.5;
+/// Least part of the events that have to measure a quantity. Tuned: with a sixth or two fifths no
+/// class of `docs/honesty.md` changes, without it half of the slips of two thirds of a sample in a
+/// real recording are refused.
+const LEAST_PART: f32 = 0.25;
 /// Standard errors beyond which the mean of a quantity that should be zero is significant (normal:
 /// one in 370).
 const SIGNIFICANT: f32 = 3.0;
@@ -151,9 +155,10 @@ impl FadingTrend {
         (self.count > 0.0).then(|| Quantity { value, std: math::sqrt(variance) })
     }
 
-    /// Have three events measured it? For a quantity in which single events may be outliers.
-    pub(crate) fn is_well_known(&self) -> bool {
-        self.count > LEAST_EVENTS + 1.0
+    /// Have three events measured it, and enough of those that measured `another`? For a quantity in
+    /// which single events may be outliers.
+    pub(crate) fn is_well_known(&self, another: &Self) -> bool {
+        self.count > LEAST_EVENTS + 1.0 && self.count > LEAST_PART * another.count
     }
 
     /// Was the newest event an outlier, and left out?
