@@ -133,6 +133,7 @@ impl Default for Ripple {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::num::math;
     use crate::tests::Random;
 
     /// White noise of variance 1/12 and an oscillation.
@@ -226,19 +227,29 @@ mod tests {
         assert_eq!(correlated(-0.5).wander(), ColoredNoise::NONE);
     }
 
+    /// A hundred rests of twenty samples that depart from their lines by noise and by this.
+    fn alike(off_n: impl Fn(f32) -> f32) -> ColoredNoise {
+        let (mut ripple, mut random) = (Ripple::default(), Random(1));
+        for _line in 0..100 {
+            (0..20_u8).for_each(|i| ripple.add(off_n(i.into()) + random.normal(), 1.0));
+            ripple.interrupt();
+            ripple.settle();
+        }
+        ripple.wander()
+    }
+
     #[test]
     fn what_is_the_same_in_all_rests_is_the_forces_own() {
-        let bent = |bend: f32| {
-            let (mut ripple, mut random) = (Ripple::default(), Random(1));
-            for _line in 0..100 {
-                (0..20).for_each(|i| ripple.add(bend * i as f32 / 20.0 + random.normal(), 1.0));
-                ripple.interrupt();
-                ripple.settle();
-            }
-            ripple.wander()
-        };
+        let bent = |bend: f32| alike(|i| bend * i / 20.0);
         assert_eq!(bent(0.0), ColoredNoise::NONE);
         assert!(bent(4.0).bends && bent(4.0).level > 0.0, "{:?}", bent(4.0));
+    }
+
+    /// A cable that flops five samples a turn, in time with every slip.
+    #[test]
+    fn a_flop_is_no_bend() {
+        let flop = alike(|i| 2.0 * math::exp(-0.1 * i) * (1.26 * i).cos() - 0.3);
+        assert!(!flop.bends && !flop.creeps && flop.unsure < 0.5, "{flop:?}");
     }
 
     #[test]

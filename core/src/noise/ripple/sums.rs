@@ -98,7 +98,9 @@ impl Sums {
         let limit = larger(BENT * self.count, NO_CHANCE);
         let is_red = self.is_red(oscillation_n2, cosine);
         let is_long = self.line_length() >= SHORTEST_BEND;
-        let bends = is_long && self.sum * self.sum > limit * self.squares;
+        // A cable that flops alike after every slip bends the rests alike, but to and fro.
+        let swings = self.products[1] + self.unsure() < 0.0;
+        let bends = is_long && !swings && self.sum * self.sum > limit * self.squares;
         let likely_red = surely(errors, LIKELY_RED * LIKELY_RED);
         // Innovations that alternate are no bend.
         if self.products[0] > 0.0 && (bends || (is_red && self.count < ENOUGH_FOR_BEND)) {
