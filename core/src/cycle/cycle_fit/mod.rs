@@ -180,7 +180,8 @@ impl CycleFit {
             FitStage::Free(_) => self.free(stage, learnt),
             FitStage::Expected(_) => self.expected(stage, learnt),
             FitStage::Converged => {
-                let wound_back = refusal::is_angular(&self.slip, &self.fit.shape, &self.after);
+                let (shape, swing) = (&self.fit.shape, learnt.swing());
+                let wound_back = refusal::is_angular(&self.slip, shape, &self.after, swing);
                 let failed = FitStage::Failed(Reason::WoundBack);
                 *stage = if wound_back { failed } else { FitStage::Fitted };
             }

@@ -56,11 +56,18 @@ pub(crate) fn is_shapely(slip: &SlipRecord) -> bool {
 }
 
 /// Does the slip that was fitted describe the samples significantly worse than its two stick lines
-/// with a straight line between them, through the steep fall?
-pub(crate) fn is_angular(slip: &SlipRecord, shape: &Shape, after: &Line) -> bool {
+/// with a straight line between them, through the steep fall? Real slips are no exact half cosines:
+/// where the swing is known, that line also falls more slowly than a slip with that swing would.
+pub(crate) fn is_angular(
+    slip: &SlipRecord,
+    shape: &Shape,
+    after: &Line,
+    swing: Option<f32>,
+) -> bool {
     let (straight, _) = lines(slip, slip.steep(), false);
     let noise_n2 = noise_n2(slip, after);
-    if straight.count < shapely(slip) || own_n2(&straight) > EVEN * noise_n2 {
+    let is_quick = swing.is_some_and(|swing| !is_slow(slip, swing, &straight, noise_n2));
+    if is_quick || straight.count < shapely(slip) || own_n2(&straight) > EVEN * noise_n2 {
         return false;
     }
     let fall_n = straight.slope().unwrap_or(0.0);
