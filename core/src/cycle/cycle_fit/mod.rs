@@ -180,8 +180,7 @@ impl CycleFit {
             FitStage::Free(_) => self.free(stage, learnt),
             FitStage::Expected(_) => self.expected(stage, learnt),
             FitStage::Converged => {
-                let (shape, swing) = (&self.fit.shape, learnt.swing());
-                let wound_back = refusal::is_angular(&self.slip, shape, &self.after, swing);
+                let wound_back = refusal::is_angular(&self.slip, &self.fit.shape, &self.after);
                 let failed = FitStage::Failed(Reason::WoundBack);
                 *stage = if wound_back { failed } else { FitStage::Fitted };
             }

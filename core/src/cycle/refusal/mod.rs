@@ -54,7 +54,7 @@ pub(crate) fn of_fall(
     swing: Option<f32>,
 ) -> Option<Reason> {
     let noise_n = math::sqrt(slip.noise_n2);
-    let drop_n = slip.peak.force_n - slip.low.force_n;
+    let drop_n = slip.drop_n();
     // A cable does not push; half the highest force is room for an error of the zero.
     if slip.low.force_n < -0.5 * slip.peak.force_n.abs() {
         return Some(Reason::Negative);

@@ -169,6 +169,11 @@ impl SlipRecord {
         self.low.time - self.peak.time
     }
 
+    /// The highest force less the lowest one, N.
+    pub(crate) fn drop_n(&self) -> f32 {
+        self.peak.force_n - self.low.force_n
+    }
+
     /// Periods from the highest sample to that of a later slip.
     pub(crate) fn periods_to(&self, later: &Self) -> f32 {
         since(self.origin, later.origin) + later.peak.time - self.peak.time
@@ -215,7 +220,7 @@ impl SlipRecord {
     /// Times, periods, of the edges: the last high sample before the middle of the fall, and the
     /// first low one after it.
     pub(super) fn edges(&self) -> (f32, f32) {
-        let part_n = self.rough.edge_part * (self.peak.force_n - self.low.force_n);
+        let part_n = self.rough.edge_part * self.drop_n();
         let (high_n, low_n) = (self.peak.force_n - part_n, self.low.force_n + part_n);
         let ((peak, low), middle) = (self.extremes(), self.rough.middle);
         let mut from = peak;
