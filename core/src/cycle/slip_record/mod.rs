@@ -141,12 +141,13 @@ impl SlipRecord {
         self.take(window, slip.last);
         self.rough.middle = self.crossing();
         self.rough.edges = self.edges();
-        let missing = self.length - self.samples().count();
+        let left = self.samples().count();
+        let missing = self.length - left;
         let too_long = (self.length == CORE).then_some(Reason::TooLong);
         // While samples wait, the newest saturated one may lie past this slip: then one that is
         // missing here may have been saturated too.
         let hides = |index| index + 4 >= self.origin && (index <= slip.last || missing > 0);
-        let hides = slip.last_hidden.is_some_and(hides) || missing > 3;
+        let hides = slip.last_hidden.is_some_and(hides) || (missing > 3 && missing > left);
         self.hidden = if hides { Some(Reason::Hidden) } else { too_long };
     }
 
