@@ -8,7 +8,7 @@ use floe_core::{Config, Event, InputStd};
 use floe_tests::normal::Normal;
 use floe_tests::saw::{Slip, saw};
 use floe_tests::score::run;
-use floe_tests::{feed, scenes};
+use floe_tests::{both, feed, scenes};
 
 /// Detection in records with these seeds.
 fn found(scene: &Scene, seeds: impl IntoIterator<Item = u64>) -> Detection {
@@ -145,5 +145,34 @@ fn a_part_that_slips_again_is_found() {
             found * 20 >= again * 19 && others == 0,
             "{gap} {part}: {found} of {again}, {others}"
         );
+    }
+}
+
+/// A cable that stiffens as it is tightened, before small slips every six samples: the force lies so
+/// far above its straight line that no slip reaches down to it.
+#[test]
+fn slips_after_a_curved_load_are_found() {
+    let config = Config { weight_n: 630.0, std: InputStd::EXACT, ..Config::default() };
+    let slip = Slip { static_n: 400.0, dynamic_n: 370.0, omega: 1.8 };
+    for (load, power) in [(90, 1.5), (110, 1.5), (140, 2.0)] {
+        let (mut seen, mut all) = (0, 0);
+        for seed in 1..=8 {
+            let mut normal = Normal::new(seed);
+            let start = f64::from(load) + normal.uniform();
+            let (mut forces_n, onsets) = saw(&[slip; 60], 15.0, start);
+            for (i, force_n) in forces_n.iter_mut().enumerate() {
+                let part = i as f64 / f64::from(load);
+                *force_n = if part < 1.0 { 400.0 * part.powf(power) } else { *force_n };
+                *force_n += normal.sample();
+            }
+            let events = feed::replay(&config, feed::in_a_row(&forces_n)).events;
+            let is_at = |event: &Event, onset: f64| (both::periods(event) - onset).abs() < 2.0;
+            let found = |onset: &&f64| events.iter().any(|it| is_at(it, **onset));
+            seen += onsets.iter().filter(found).count();
+            all += onsets.len();
+            assert!(events.len() <= onsets.len(), "{load} {power} {seed}: {}", events.len());
+        }
+        println!("{load} {power}: {seen} of {all}");
+        assert!(seen * 10 > all * 9, "{load} {power}: {seen} of {all}");
     }
 }

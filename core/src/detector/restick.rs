@@ -16,6 +16,8 @@ const AS_LOW: f32 = 3.0;
 /// A slip leaves the force lower by at least this part of its drop; a spike does not. Tuned: a slip
 /// that is cut short by flop needs a low value, two spikes in a row a high one.
 const LEAST_SHIFT: f32 = 0.4;
+/// Number of samples before the highest one that lies before a spike of two.
+const BEFORE_SPIKES: u32 = 3;
 /// Part of the drop by which a slip without a line ends below the sample before its peak. Tuned
 /// like [`LEAST_SHIFT`].
 const LEAST_SHIFT_BRIEF: f32 = 0.1;
@@ -34,21 +36,24 @@ impl Detector {
         rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
     }
 
-    /// Is the force back on the old stick line, as after a spike? A block that creeps leaves the
-    /// line before it slips: then a parallel line through the highest sample counts.
+    /// Is the force back on the old stick line, as after a spike? A force that has left its line
+    /// before the slip, since the block creeps or the cable stiffens, has to be back on a parallel
+    /// line through the highest sample, or through one before it: a spike is higher than that.
     pub(super) fn is_back(&self, now: ForcePoint, drop: f32) -> bool {
         if let Some(off_n) = self.off_line_n(now).filter(|_| self.line_fits()) {
             let peak_off_n = self.off_line_n(self.stick.highest).unwrap_or_default();
-            return off_n - smaller(peak_off_n, 0.0) > -LEAST_SHIFT * drop;
+            let before = self.before_peak(BEFORE_SPIKES).and_then(|it| self.off_line_n(it));
+            return off_n - smaller(peak_off_n, before.unwrap_or_default()) > -LEAST_SHIFT * drop;
         }
         let least_n = self.lowest.force_n + LEAST_SHIFT_BRIEF * drop;
-        self.before_peak_n().is_some_and(|before_n| before_n < least_n)
+        self.before_peak(1).is_some_and(|before| before.force_n < least_n)
     }
 
-    /// Force of the sample before the highest one, N, if it belongs to the same stick line.
-    fn before_peak_n(&self) -> Option<f32> {
-        let index = self.stick.highest.index.checked_sub(1)?;
-        self.window.get(index).filter(|_| index >= self.stick.origin)
+    /// The sample that lies `back` before the highest one, if it belongs to the same stick line.
+    fn before_peak(&self, back: u32) -> Option<ForcePoint> {
+        let index = self.stick.highest.index.checked_sub(back)?;
+        let force_n = self.window.get(index).filter(|_| index >= self.stick.origin)?;
+        Some(ForcePoint { index, force_n })
     }
 
     /// The first sample after the peak that equals the lowest one but for noise: on a slack cable
