@@ -72,9 +72,10 @@ impl CycleTracker {
         &mut self,
         slip: &SlipRecord,
         after: &Line,
-        Measured { posterior, alone, verdict, .. }: &Measured,
+        measured: &Measured,
     ) -> (Finished, SampleTime) {
         let site = self.site();
+        let Measured { posterior, alone, .. } = measured;
         let shape = posterior.cycle.shape();
         self.learn_sag(slip, posterior, shape.stop());
         let loads = shape.loads();
@@ -84,7 +85,7 @@ impl CycleTracker {
             (mu_s, site.coefficient(forces.dynamic_n - shift.0, forces.dynamic_n2))
         });
         let event = self.measured(&site, slip, posterior, &shape, shift);
-        let mut finished = self.judged(&site, event, alone, posterior, shift, *verdict);
+        let mut finished = self.judged(&site, event, alone, posterior, shift, measured.verdict());
         if event.slack && !slip.shows(after, loads) {
             // The samples do not show how far the block slid while the cable was slack.
             (finished.event.mu, finished.alone) = (None, None);

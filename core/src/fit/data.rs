@@ -20,15 +20,12 @@ pub(crate) struct Samples<'a> {
     pub rest_weight: f32,
     /// Beginning of the rest after the slip, periods.
     pub rest_from: f32,
-    /// Times at which the slip begins and ends, periods.
-    pub slip: (f32, f32),
 }
 
 impl<'a> Samples<'a> {
-    /// Samples of equal weight, of a slip whose ends are not known.
+    /// Samples of equal weight.
     pub(crate) fn new(start: f32, forces_n: &'a [f32]) -> Self {
-        let (rest_from, slip) = (f32::INFINITY, (f32::INFINITY, f32::INFINITY));
-        Self { start, forces_n, rest_weight: 1.0, rest_from, slip }
+        Self { start, forces_n, rest_weight: 1.0, rest_from: f32::INFINITY }
     }
 
     /// Time of the last sample, earlier by the number of missing ones: no later than the last good

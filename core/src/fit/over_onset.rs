@@ -15,6 +15,7 @@ use crate::model::{CycleParams, Shape};
 use crate::num::math::{self, larger, smaller};
 use crate::stats::normal_equations::{UNKNOWNS, scaled};
 use crate::stats::prior::Prior;
+use crate::stats::significance::SURE;
 
 /// Length, periods, up to which a slip is also averaged while the swing is not known from other
 /// events, or if it ends right at a sample on a slack cable: a longer slip has three samples.
@@ -142,8 +143,6 @@ impl OverOnset {
 /// may then have gone slack earlier with the same likelihood: the fit determines only that the fall
 /// does not end before this sample.
 fn is_at_edge(shape: &Shape, noise_n2: f32) -> bool {
-    // Standard deviations: of normal variables one in 16 000.
-    const SURE: f32 = 4.0;
     if !shape.is_slack() {
         return false;
     }

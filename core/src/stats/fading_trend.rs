@@ -9,25 +9,23 @@
 //! that (`surely`): no expectation jumps because of a rounding error.
 
 use crate::num::math::{self, larger};
+use crate::stats::in_a_row::InARow;
 use crate::stats::line::Line;
-use crate::stats::prior::{Prior, surely};
+use crate::stats::prior::Prior;
 use crate::stats::quantity::Quantity;
+use crate::stats::significance::{SIGNIFICANT, surely};
 
 /// Time constant of the forgetting, events. A choice: more make expectations more precise, fewer
 /// follow a cable that gets shorter.
 const MEMORY: f32 = 40.0;
+/// Part of the past that is kept with every event, of all that the events share.
+pub(crate) const FADE: f32 = 1.0 - 1.0 / MEMORY;
 /// Least effective number of events (with forgetting) for an expectation: two events.
 const LEAST_EVENTS: f32 = 1.5;
-/// Standard errors beyond which the mean of a quantity that should be zero is significant (normal:
-/// one in 370).
-const SIGNIFICANT: f32 = 3.0;
 /// Standard errors beyond which a trend is significant: more, for it is tested with every event.
 const TREND: f32 = 5.0;
 /// Standard deviations beyond which an event is an outlier (normal: one in 5e8).
 const FAR_OFF: f32 = 6.0;
-/// Number of outliers in a row with which a quantity has changed, or all of them, and the past is
-/// dropped. A pause of the winch spoils a stick line, and with it the two events that share it.
-pub(crate) const CHANGED: u8 = 3;
 
 /// Running mean of a quantity that events share, its trend, and its variance between events.
 ///
@@ -50,7 +48,7 @@ pub(crate) struct FadingTrend {
     /// Variance between events, `τ²`, in so far as it is significant.
     between: f32,
     /// Outliers in a row.
-    strangers: u8,
+    strangers: InARow,
     /// Expected value of the next event, and its variance without that between events; zeros before
     /// the first event.
     pub(crate) now: (f32, f32),
@@ -73,7 +71,6 @@ impl FadingTrend {
 
     /// Applies the forgetting; the trend stays where it is.
     pub(crate) fn fade(&mut self) {
-        const FADE: f32 = 1.0 - 1.0 / MEMORY;
         self.line.fade(FADE);
         self.count *= FADE;
         self.excess *= FADE;
@@ -90,14 +87,12 @@ impl FadingTrend {
         let (expected, expected_variance) = self.at(NEWEST);
         let step = value - expected;
         let usual = variance + self.between + expected_variance;
-        if self.is_known() && step * step > FAR_OFF * FAR_OFF * usual {
-            self.strangers += 1;
-            if self.strangers < CHANGED {
-                return;
-            }
+        let is_off = self.is_known() && step * step > FAR_OFF * FAR_OFF * usual;
+        if self.strangers.take(is_off) {
             self.count = 0.0;
+        } else if is_off {
+            return;
         }
-        self.strangers = 0;
         if self.count <= 0.0 {
             *self = Self { unit: variance, ..Self::default() };
         }
@@ -158,7 +153,7 @@ impl FadingTrend {
 
     /// Was the newest event an outlier, and left out?
     pub(crate) fn is_off(&self) -> bool {
-        self.strangers > 0
+        self.strangers.is_odd()
     }
 
     /// Have two events measured it?

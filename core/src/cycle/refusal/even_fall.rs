@@ -1,10 +1,11 @@
 //! Falls along a straight line: the winch turned back, and nothing slipped.
 
-use crate::cycle::slip_record::{SURE, SlipRecord};
+use crate::cycle::slip_record::SlipRecord;
 use crate::fit::rounding_n2;
 use crate::model::Shape;
 use crate::num::math::{self, larger, smaller};
 use crate::stats::line::Line;
+use crate::stats::significance::SURE;
 
 /// Largest residual variance of an even fall about its line, in units of the noise variance, which
 /// may come from few samples. Tuned: with 5 a fall of `winding_back` is taken for a slip, with 20

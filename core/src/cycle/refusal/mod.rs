@@ -8,10 +8,11 @@ mod slackness;
 mod stiffness;
 
 use crate::coefficient::Coefficient;
-use crate::cycle::slip_record::{SURE, SlipRecord};
+use crate::cycle::slip_record::SlipRecord;
 use crate::event::{Event, Reason};
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
+use crate::stats::significance::SURE;
 
 pub(super) use even_fall::{is_angular, is_shapely};
 pub(super) use recurrence::{FAST, Recurrence};

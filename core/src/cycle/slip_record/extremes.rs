@@ -1,7 +1,7 @@
 //! Estimates from the highest and the lowest sample of a slip, for slips with hardly a sample
 //! between them.
 
-use crate::cycle::slip_record::{PI, SHORTEST_FALL, SURE, SlipRecord};
+use crate::cycle::slip_record::{PI, SHORTEST_FALL, SlipRecord};
 use crate::detector::Stick;
 use crate::fit::posterior::CLEAR;
 use crate::num::math::{self, larger, smaller};
@@ -9,6 +9,7 @@ use crate::sample::{ForcePoint, since};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
+use crate::stats::significance::SURE;
 
 /// The highest or the lowest sample of a slip: time, periods from the event's origin, and force.
 #[derive(Clone, Copy, Debug)]
