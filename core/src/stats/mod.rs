@@ -8,5 +8,6 @@ pub(crate) mod normal_equations;
 pub(crate) mod prior;
 pub(crate) mod quantile;
 pub(crate) mod quantity;
+pub(crate) mod running_mean;
 pub(crate) mod significance;
 pub(crate) mod student;
