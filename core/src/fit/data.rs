@@ -1,5 +1,6 @@
 //! The data of one event's fit: lines, samples, priors.
 
+use crate::effect::{Effect, Effects};
 use crate::fit::Fit;
 use crate::model::corner::{Corner, MAY_BE_ROUND, Rounded};
 use crate::model::{CycleParams, Shape};
@@ -34,9 +35,10 @@ impl<'a> Samples<'a> {
         self.start + self.count() as f32 - 1.0
     }
 
-    /// Weight of a sample at a time.
+    /// Weight of a sample at a time; without the effect of a cable that flops all have the same.
     pub(crate) fn weight(&self, time: f32) -> f32 {
-        if time > self.rest_from { self.rest_weight } else { 1.0 }
+        const MAY_FLOP: bool = Effects::COMPILED.has(Effect::Flop);
+        if MAY_FLOP && time > self.rest_from { self.rest_weight } else { 1.0 }
     }
 
     /// Number of the valid samples.

@@ -151,7 +151,7 @@ impl CycleFit {
         let fits = match self.strain {
             Strain::None => true,
             Strain::Strained => self.slip.is_spanned(&self.measured.posterior.cycle, SPANNED, 1.0),
-            Strain::Misfit => self.measured.verdict() == Verdict::Suspect,
+            Strain::Misfit => self.measured.verdict.value() == Verdict::Suspect,
         };
         (!fits).then_some(Reason::NoFit)
     }

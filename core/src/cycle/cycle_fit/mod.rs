@@ -120,14 +120,7 @@ pub(crate) struct Measured {
     /// The forces without the prior of the loading rate.
     pub(crate) alone: Option<Forces>,
     /// Result of the test for a change of mass.
-    verdict: Kept<Verdict, { Effect::Mass.room() }>,
-}
-
-impl Measured {
-    /// Result of the test for a change of mass.
-    pub(crate) fn verdict(&self) -> Verdict {
-        self.verdict.read(|verdict| *verdict)
-    }
+    pub(crate) verdict: Kept<Verdict, { Effect::Mass.room() }>,
 }
 
 impl CycleFit {
