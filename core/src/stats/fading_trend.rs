@@ -116,7 +116,7 @@ impl FadingTrend {
     /// Value of the line at a time, and its variance, without that between events; the slope counts
     /// in so far as it is significant.
     fn at(&self, time: f32) -> (f32, f32) {
-        let slope = self.line.slope().unwrap_or(0.0);
+        let slope = self.line.slope;
         let size = slope * slope * self.line.slope_weight;
         let near = surely(size, TREND * TREND * self.unit) * (time - self.line.time);
         let time = self.line.time + near;

@@ -140,7 +140,7 @@ impl SteadyForce {
 
     /// Square of the slope of the means over its variance, with the sign of the slope.
     fn slope_over_std2(&self) -> f32 {
-        let slope = self.means.slope().unwrap_or(0.0);
-        slope * slope.abs() * self.means.slope_weight / self.scatter_n2(0.0)
+        let Line { slope, slope_weight, .. } = self.means;
+        slope * slope.abs() * slope_weight / self.scatter_n2(0.0)
     }
 }

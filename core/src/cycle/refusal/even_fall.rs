@@ -64,11 +64,10 @@ pub(crate) fn is_angular(slip: &SlipRecord, shape: &Shape, after: &Line) -> bool
     if straight.count < shapely(slip) || own_n2(&straight) > EVEN * noise_n2 {
         return false;
     }
-    let fall_n = straight.slope().unwrap_or(0.0);
     let mut further_n2 = 0.0;
     for (time, force_n) in slip.samples().good() {
         let since_onset = time - shape.cycle().onset;
-        let even_n = smaller(shape.before(since_onset).0, straight.at(time, fall_n));
+        let even_n = smaller(shape.before(since_onset).0, straight.at(time, straight.slope));
         // A cable does not push.
         let off_n = force_n - larger(larger(even_n, shape.after(since_onset).0), 0.0);
         let fitted_n = force_n - shape.force(time).0;

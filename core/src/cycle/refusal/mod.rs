@@ -81,7 +81,7 @@ pub(crate) fn of_fall(
 /// the fall.
 fn is_held(slip: &SlipRecord, rate: f32) -> bool {
     let before = &slip.before;
-    let less = FLAT * rate - before.slope().unwrap_or(0.0);
+    let less = FLAT * rate - before.slope;
     is_no_chance((less, slip.noise_n2 / before.slope_weight))
 }
 
