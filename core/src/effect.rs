@@ -116,6 +116,14 @@ impl<T, const ROOM: usize> Kept<T, ROOM> {
         self.get().map_or_else(R::default, function)
     }
 
+    /// The state itself; the default where there is none.
+    pub(crate) fn value(&self) -> T
+    where
+        T: Copy + Default,
+    {
+        self.read(|state| *state)
+    }
+
     /// Result of changing the state; the default where there is none.
     pub(crate) fn update<R: Default>(&mut self, function: impl FnOnce(&mut T) -> R) -> R {
         self.0.first_mut().map_or_else(R::default, function)

@@ -113,12 +113,13 @@ impl CycleTracker {
     /// rest.
     pub(super) fn learn_sag(&mut self, slip: &SlipRecord, posterior: &Posterior, stop: f32) {
         let (cycle, (static_n2, dynamic_n2)) = (&posterior.cycle, posterior.forces_n2());
-        let rested = self.rested.take();
+        let rested = self.rested.update(Option::take);
         if !self.learnt.effects.has(Effect::Sag) || !cycle.is_taut() || !posterior.is_resolved() {
             return;
         }
         let restick_n2 = static_n2 + 4.0 * dynamic_n2;
-        self.rested = Some((SampleTime::after(slip.origin, stop), cycle.restick_n(), restick_n2));
+        let stopped = SampleTime::after(slip.origin, stop);
+        self.rested = Some((stopped, cycle.restick_n(), restick_n2)).into();
         let (cable, Some(late)) = (&slip.elongation, slip.late.get()) else { return };
         let Some(((from, from_n, from_n2), rate)) = rested.zip(late.slope()) else { return };
         let rest = Rest {

@@ -5,7 +5,8 @@ use crate::cycle::refusal::{FAST, is_no_chance};
 use crate::effect::Kept;
 use crate::effects::mass_change::Mass;
 use crate::model::CycleParams;
-use crate::stats::fading_trend::{CHANGED, FadingTrend};
+use crate::stats::fading_trend::FadingTrend;
+use crate::stats::in_a_row::InARow;
 
 /// Ratio of a swing to that by winch and weight, above which the winch may have stood while the
 /// cable hung slack: other troubles lower omega by up to an eighth.
@@ -25,17 +26,15 @@ impl Expectations {
         }
         let usual = SLOWER * self.swing_by_winch(cycle.rate);
         let stood = is_no_chance((cycle.inverse_omega() - usual, variance));
-        self.stood = if stood { self.stood.saturating_add(1) } else { 0 };
-        stood && self.stood < CHANGED
+        !self.stood.take(stood) && stood
     }
 
     /// Counts the events in a row that contradict the expectations: misfits, and events whose rate
-    /// is another, as after a winch that took long to come up to speed. From [`CHANGED`] of them on
-    /// the expectations no longer hold and are reset.
+    /// is another, as after a winch that took long to come up to speed. With the third of them the
+    /// expectations no longer hold and are reset.
     pub(crate) fn contradict(&mut self, contradicts: bool) {
-        self.contradictions = if contradicts { self.contradictions + 1 } else { 0 };
-        if self.contradictions == CHANGED {
-            self.contradictions = 0;
+        if self.contradictions.take(contradicts) {
+            self.contradictions = InARow::default();
             [self.rate, self.rate_change, self.inverse_omega] = [FadingTrend::default(); 3];
             self.mass.update(Mass::forget);
             self.corner = Kept::default();

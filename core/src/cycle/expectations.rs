@@ -14,9 +14,11 @@ use crate::fit::residuals::Residuals;
 use crate::fit::{Data, Fit, Priors, rounding_n2};
 use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
+use crate::stats::in_a_row::InARow;
 use crate::stats::line::Line;
 use crate::stats::normal_equations::UNKNOWNS;
 use crate::stats::prior::{LEAST_OWN, Prior, without_prior};
+use crate::stats::significance::SIGNIFICANT;
 
 /// Estimates that the events share (loading rate, swing, rate change), the noise, and the state of
 /// each effect.
@@ -35,10 +37,10 @@ pub(crate) struct Expectations {
     pub(crate) damping: Kept<Damping, { Effect::Damping.room() }>,
     pub(crate) onset: Kept<Onset, { Effect::Onset.room() }>,
     pub(crate) oscillation: Kept<Oscillation, { Effect::Ripple.room() }>,
-    /// Number of consecutive events that contradict the expectations.
-    pub(super) contradictions: u8,
-    /// Number of consecutive first events whose winch may have stood while the cable hung slack.
-    pub(super) stood: u8,
+    /// Events that contradict the expectations.
+    pub(super) contradictions: InARow,
+    /// First events whose winch may have stood while the cable hung slack.
+    pub(super) stood: InARow,
     /// The residuals include samples with flop weights.
     pub(super) weighted: bool,
     /// Speed of the winch times the mass of the given weight, N periods; NaN where the speed is
@@ -48,8 +50,6 @@ pub(crate) struct Expectations {
 
 /// Least own part of a fitted precision for the test of the mass: another block differs by much.
 const LEAST_JUDGED: f32 = 0.003;
-/// Standard deviations of the first event's rate change within which the rate counts as steady.
-const LASTS: f32 = 3.0;
 /// Standard deviation of a rough loading rate, relative: it is known to within a factor of two.
 const ROUGH: f32 = 0.7;
 /// Fewest samples of both lines that determine the first event's rate change.
@@ -222,7 +222,8 @@ impl Expectations {
         // A rate that changed in the first event is not that of the next ones, nor is its change
         // theirs.
         let change = cycle.rate_change;
-        let steady = self.rate.mean().is_some() || change * change < LASTS * LASTS * rate_change;
+        let steady =
+            self.rate.mean().is_some() || change * change < SIGNIFICANT * SIGNIFICANT * rate_change;
         if let Some((value, variance)) = own_rate.filter(|_| steady) {
             self.rate.add(value, variance);
         }

@@ -63,10 +63,12 @@ impl CycleTracker {
         fit.converged && self.pending.as_ref().is_some_and(|slip| slip.holds(&fit.shape))
     }
 
-    /// The first answer from a fit, with the same priors and noise as the event itself will have.
+    /// The first answer from a fit, with the same priors and noise as the event itself will have;
+    /// `None` before the events so far give the noise.
     pub(super) fn first_answer(&self, mut fit: Fit) -> Option<Provisional> {
-        let slip = self.pending.as_ref()?;
-        let noise_n2 = self.learnt.fitted_noise_n2(slip);
+        let slip = self.pending.as_ref().filter(|slip| slip.hidden.is_none())?;
+        self.learnt.residuals.variance_n2()?;
+        let noise_n2 = self.learnt.noise_n2(slip);
         fit.widen_forces(slip.wander.line_excess);
         // Half of an oscillation may be the cell's.
         let unsure = if slip.wander.is_disputed() { 0.5 } else { 1.0 };
@@ -75,8 +77,7 @@ impl CycleTracker {
         if slip.elongation.sags() {
             relax(&slip.elongation, &mut at);
         }
-        let known = self.learnt.residuals.variance_n2().is_some();
-        if !(at.is_resolved() && known && slip.hidden.is_none()) {
+        if !at.is_resolved() {
             return None;
         }
         let (cycle, (static_n2, dynamic_n2)) = (&at.cycle, at.forces_n2());

@@ -6,6 +6,7 @@ use crate::cycle::refusal;
 use crate::cycle::slip_record::{GUESSED, SlipRecord};
 use crate::cycle::{CycleTracker, LATE, Work};
 use crate::detector::{Detector, Stick};
+use crate::effect::Kept;
 use crate::event::{Provisional, Reason};
 use crate::model::elongation::Elongation;
 use crate::sample::{SampleTime, since};
@@ -81,7 +82,7 @@ impl CycleTracker {
             self.finishing = Some(CycleFit::new(before));
         } else {
             // A gap lies in the rest before this slip, or it is the first.
-            (self.last_stop, self.rested) = (None, None);
+            (self.last_stop, self.rested) = (None, Kept::default());
         }
         self.work = match by {
             By::Slip(slip) => {

@@ -107,7 +107,7 @@ pub(crate) struct CycleTracker {
     last_load: Option<u32>,
     /// Stop of the last event, the force there, N, and its variance, N², where the following rest
     /// can determine the sag of the cable.
-    rested: Option<(SampleTime, f32, f32)>,
+    rested: Kept<Option<(SampleTime, f32, f32)>, { Effect::Sag.room() }>,
     count: u32,
     /// At least one slip of this test has a sample on its fall. A hand that lets the cable go shows
     /// none.

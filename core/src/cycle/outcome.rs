@@ -5,6 +5,7 @@ use crate::cycle::cycle_fit::{CycleFit, Measured};
 use crate::cycle::refusal::{self, FAST, LEAST_UNCONFIRMED, RootStiffnessRatio};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished, Work};
+use crate::effect::Kept;
 use crate::effects::mass_change::Verdict;
 use crate::event::{Event, Quality, Reason};
 use crate::fit::posterior::Posterior;
@@ -42,7 +43,7 @@ impl CycleTracker {
         let (mut finished, load) = match failed {
             Some(reason) => {
                 // The rest before this slip and the rest after it must not be taken for one.
-                self.rested = None;
+                self.rested = Kept::default();
                 (self.without_coefficients(slip, reason).into(), None)
             }
             None => {
@@ -72,9 +73,10 @@ impl CycleTracker {
         &mut self,
         slip: &SlipRecord,
         after: &Line,
-        Measured { posterior, alone, verdict, .. }: &Measured,
+        measured: &Measured,
     ) -> (Finished, SampleTime) {
         let site = self.site();
+        let Measured { posterior, alone, .. } = measured;
         let shape = posterior.cycle.shape();
         self.learn_sag(slip, posterior, shape.stop());
         let loads = shape.loads();
@@ -84,7 +86,8 @@ impl CycleTracker {
             (mu_s, site.coefficient(forces.dynamic_n - shift.0, forces.dynamic_n2))
         });
         let event = self.measured(&site, slip, posterior, &shape, shift);
-        let mut finished = self.judged(&site, event, alone, posterior, shift, *verdict);
+        let mut finished =
+            self.judged(&site, event, alone, posterior, shift, measured.verdict.value());
         if event.slack && !slip.shows(after, loads) {
             // The samples do not show how far the block slid while the cable was slack.
             (finished.event.mu, finished.alone) = (None, None);
@@ -142,7 +145,7 @@ impl CycleTracker {
         let is_steep = |it: &Posterior| 2.0 * it.cycle.rate > it.cycle.static_n;
         let has_line = slip.before.count + after.count > 0;
         let loads_fast = event.slack && !has_line && fit.is_some_and(is_steep);
-        let is_fast = slip.limit - slip.extremes().0 < FAST;
+        let is_fast = slip.limit - slip.peak.time < FAST;
         let without_rest = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
         let without_rest = (loads_fast || unsure).then_some(without_rest);
         let slack = fit.filter(|_| event.slack);

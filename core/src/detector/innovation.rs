@@ -14,10 +14,9 @@ impl Detector {
         self.stick.off_n(self.stick.time(now.index), now.force_n)
     }
 
-    /// Standard deviation of the innovation in units of a late sample's noise, one or more;
-    /// `variance` is the sample's own, as from [`Self::variance`].
-    pub(super) fn spread(&self, now: ForcePoint, variance: f32) -> f32 {
-        self.stick.spread(self.stick.time(now.index), variance)
+    /// Standard deviation of the innovation in units of a late sample's noise, one or more.
+    pub(super) fn spread(&self, index: u32) -> f32 {
+        self.stick.spread(self.stick.time(index), self.variance(index))
     }
 
     /// Variance of a sample at rest in units of that of a late sample, long after the re-stick.

@@ -53,7 +53,7 @@ pub(super) fn delay(usual_fall: f32, usual_rise: f32, creep_periods: f32) -> u32
 impl Detector {
     /// Sets the delay of the line from the usual fall, the usual rise and the time of creep.
     pub(super) fn update_delay(&mut self) {
-        self.line_delay = delay(self.usual_fall, self.usual_rise, self.creep_periods);
+        self.line_delay = delay(self.usual_fall, self.usual_rise, self.creep_periods.value());
     }
 
     /// Takes samples into the line, at a delay long enough that neither a slip that has begun
@@ -147,7 +147,7 @@ impl Detector {
         if stick.line.count > FEW || stick.strikes != 0 {
             return;
         }
-        let end = self.stick_end().saturating_sub(self.creep_periods as u32);
+        let end = self.stick_end().saturating_sub(self.creep_periods.value() as u32);
         self.spent += MOST_LEFT / 2;
         for index in (stick.next..end + 1).take(MOST_LEFT) {
             let Some(force_n) = self.window.get(index) else { break };

@@ -122,7 +122,7 @@ pub struct Detector {
     /// Usual time from the onset to the highest force, periods.
     usual_rise: f32,
     /// Time before an onset in which creep bends the line, periods.
-    creep_periods: f32,
+    creep_periods: Kept<f32, { Effect::Corner.room() }>,
     /// Middle of the usual range of the force, N: half the usual drop below the last peak.
     middle_n: f32,
     /// No slip begins before the stick line has risen above this force, N.
@@ -158,7 +158,7 @@ impl Detector {
             usual_fall,
             usual_rise: 0.0,
             line_delay: delay(usual_fall, 0.0, 0.0),
-            creep_periods: 0.0,
+            creep_periods: Kept::default(),
             middle_n: 0.0,
             ceiling_n: f32::NEG_INFINITY,
         }

@@ -54,11 +54,10 @@ const LARGEST_DROP: f32 = 1.1;
 impl Detector {
     /// Has the force left the stick line downwards, by more than noise and flop explain?
     pub(super) fn slips(&self, now: ForcePoint) -> bool {
-        let std = self.std_n;
         let drop = self.stick.highest.force_n - now.force_n;
         // No slip has a smaller drop than either of these two: they decide most samples.
         drop > 0.0
-            && (drop >= LEAST_DROP * std && self.leaves_line(now, drop, std)
+            && (drop >= LEAST_DROP * self.std_n && self.leaves_line(now, drop)
                 || (self.usual_drop_n > 0.0 || self.stick.line.count > LONG_LINE)
                     && drop >= LEAST_FALL * self.usual_drop_n
                     && self.falls_at_once(now))
@@ -108,15 +107,15 @@ impl Detector {
         self.stick.highest.force_n > self.middle_n
     }
 
-    fn leaves_line(&self, now: ForcePoint, drop: f32, std: f32) -> bool {
-        drop >= self.least_drop(std)
+    fn leaves_line(&self, now: ForcePoint, drop: f32) -> bool {
+        drop >= self.least_drop()
             // Without a line, after a brief rest, the drop alone decides.
-            && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
+            && self.depth(now).is_none_or(|depth| depth > OFF_LINE * self.std_n)
     }
 
     /// Least drop of a slip, N.
-    fn least_drop(&self, std: f32) -> f32 {
-        let (stick, usual) = (&self.stick, self.usual_drop_n);
+    fn least_drop(&self) -> f32 {
+        let (stick, std, usual) = (&self.stick, self.std_n, self.usual_drop_n);
         let has_line = stick.line.count >= LINE_POINTS;
         if usual <= 0.0 {
             // A record may begin in the middle of a slip: that slip is not looked for.
@@ -140,7 +139,7 @@ impl Detector {
     /// `None` with fewer than four samples on the line.
     fn depth(&self, now: ForcePoint) -> Option<f32> {
         let off_n = self.off_line_n(now)?;
-        Some(-off_n / self.spread(now, self.variance(now.index)))
+        Some(-off_n / self.spread(now.index))
     }
 
     /// Sets the peak to the highest sample since the force last lay on the line. Where the force
@@ -164,8 +163,7 @@ impl Detector {
     pub(super) fn jumps(&self, now: ForcePoint) -> bool {
         let far = OFF_LINE * self.std_n;
         // The spread is one or more: most samples are decided without it.
-        let spread = || self.spread(now, self.variance(now.index));
-        let is_above = |off_n| off_n > far && off_n > far * spread();
+        let is_above = |off_n| off_n > far && off_n > far * self.spread(now.index);
         now.force_n > self.stick.highest.force_n + far && self.off_line_n(now).is_some_and(is_above)
     }
 

@@ -116,9 +116,9 @@ impl Detector {
         const ROOM: f32 = 48.0;
         // Half a sample: a smaller change does not move the end of a line.
         const LONGER: f32 = 0.5;
-        let before = self.creep_periods;
-        self.creep_periods = larger(smaller(periods, ROOM - self.usual_fall), 0.0);
-        if self.creep_periods > before + LONGER {
+        let periods = larger(smaller(periods, ROOM - self.usual_fall), 0.0);
+        let before = self.creep_periods.update(|kept| core::mem::replace(kept, periods));
+        if self.creep_periods.value() > before + LONGER {
             // The innovations so far contain the creep.
             self.forget_ripple();
         }

@@ -4,9 +4,8 @@
 use crate::detector::Detector;
 use crate::num::math::{self, larger, smaller};
 use crate::sample::ForcePoint;
+use crate::stats::significance::SURE;
 
-/// Rise that ends a slip at once, standard deviations of the noise (normal: one in 16 000).
-const SURE_RISE: f32 = 4.0;
 /// Least rise that ends a slip at once, parts of the drop. Tuned: a lower value lets noise and flop
 /// end long slips early, with a higher one a slip ends half its length after the lowest sample.
 const CLEAR_RISE: f32 = 0.12;
@@ -32,7 +31,7 @@ impl Detector {
         let drop = self.stick.highest.force_n - self.lowest.force_n;
         let fall = self.lowest.index - self.stick.highest.index;
         let rise = now.force_n - self.lowest.force_n;
-        let rises = rise > larger(SURE_RISE * self.std_n, CLEAR_RISE * drop);
+        let rises = rise > larger(SURE * self.std_n, CLEAR_RISE * drop);
         rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
     }
 

@@ -7,6 +7,7 @@
 
 use crate::num::math::{larger, smaller};
 use crate::sample::SampleTime;
+use crate::stats::running_mean::RunningMean;
 
 /// Why the forces changed, as far as the events determine it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,12 +67,11 @@ const LEAST: f32 = 0.05;
 struct Level {
     /// The last values, oldest first, N.
     recent: [f32; RECENT],
-    /// Mean of the values before those, N.
-    before: f32,
+    /// The values before those, N.
+    before: RunningMean,
     /// Mean of the middle half of the recent values, less `before`, N.
     off: f32,
-    /// Mean squares of a value's distance from `before`, and of `off`, N².
-    scatter: f32,
+    /// Mean square of `off`, N².
     difference: f32,
 }
 
@@ -83,11 +83,9 @@ impl Level {
         if left < 0.0 {
             return;
         }
-        let (share, off) = (1.0 / smaller(left + 1.0, MEMORY), oldest - self.before);
-        self.before += share * off;
-        self.scatter += share * (off * off * (1.0 - share) - self.scatter);
+        self.before.add(oldest, 1.0 / smaller(left + 1.0, MEMORY));
         if left >= FEWEST {
-            self.off = middle_half(&self.recent) - self.before;
+            self.off = middle_half(&self.recent) - self.before.mean;
             let share = 1.0 / smaller(compared + 1.0, MEMORY);
             // A change of level must not enter its own scale: large squares are clipped.
             let square = smaller(self.off * self.off, MOST_USUAL * self.usual());
@@ -100,7 +98,7 @@ impl Level {
     fn usual(&self) -> f32 {
         // Variances of the middle half of eight normal values, and of the mean before.
         const INDEPENDENT: f32 = 0.15 + 1.0 / MEMORY;
-        larger(self.difference, INDEPENDENT * self.scatter)
+        larger(self.difference, INDEPENDENT * self.before.variance)
     }
 
     /// Resets the level, except the mean square of the differences.
@@ -117,12 +115,12 @@ impl Level {
     /// Number of newest events in a row that lie nearer to the new level than to the old one.
     fn since(&self) -> usize {
         let off = self.off;
-        let is_new = |value: &&f32| (**value - self.before) * off > 0.5 * off * off;
+        let is_new = |value: &&f32| (**value - self.before.mean) * off > 0.5 * off * off;
         self.recent.iter().rev().take_while(is_new).count()
     }
 
     fn is_reportable(&self) -> bool {
-        self.off.abs() > LEAST * self.before.abs()
+        self.off.abs() > LEAST * self.before.mean.abs()
     }
 }
 
@@ -196,7 +194,8 @@ impl Levels {
         let worst = if a.score() > b.score() { a } else { b };
         // The newest event is of the new level as well.
         let first = self.numbers.iter().rev().nth(worst.since().saturating_sub(1));
-        let shift = NewLevel { event: first.copied().unwrap_or(event), dynamic_before_n: b.before };
+        let shift =
+            NewLevel { event: first.copied().unwrap_or(event), dynamic_before_n: b.before.mean };
         self.forget();
         Some(shift)
     }

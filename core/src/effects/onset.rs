@@ -13,7 +13,7 @@ use crate::effects::score::{Score, ScoreSum};
 use crate::fit::slip_residuals::steepness;
 use crate::model::Shape;
 use crate::num::math::larger;
-use crate::stats::prior::surely;
+use crate::stats::significance::surely;
 
 /// Standard errors beyond which a term is possible. Tuned: with 2 the intervals of the median event
 /// of snow are a percent wider than the noise makes them, a larger one makes those of a block that

@@ -15,7 +15,7 @@ use crate::effect::Parameter;
 use crate::fit::residuals::Residuals;
 use crate::fit::slip_residuals::{OwnSwing, SlipResiduals};
 use crate::num::math::{self, larger};
-use crate::stats::prior::surely;
+use crate::stats::significance::surely;
 
 /// Standard errors beyond which the scatter counts, in full from twice as many on: it only widens.
 const SIGNIFICANT: f32 = 2.0;

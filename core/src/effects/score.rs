@@ -12,6 +12,7 @@ use crate::fit::{Alone, Data};
 use crate::model::Shape;
 use crate::num::math::{self, larger};
 use crate::stats::normal_equations::{Gradient, Normal, dot};
+use crate::stats::significance::SIGNIFICANT;
 
 /// Number of terms that are tested at a time.
 pub(crate) const TERMS: usize = 3;
@@ -23,8 +24,6 @@ const LEAST_EVENTS: f32 = 2.0;
 /// Part of the sums that is kept with every event. A choice: a longer memory resolves smaller
 /// amplitudes, a shorter one follows a cable that changes.
 const FADE: f32 = 1.0 - 1.0 / 200.0;
-/// Standard errors beyond which an amplitude is significant: of normal variables one in 370.
-const SIGNIFICANT: f32 = 3.0;
 
 /// An event's normal equations for the amplitudes of some terms, with the event's own unknowns held
 /// at first, and then free.

@@ -16,7 +16,8 @@
 
 use crate::coefficient::Coefficient;
 use crate::num::math;
-use crate::stats::prior::surely;
+use crate::stats::fading_trend::FADE;
+use crate::stats::significance::surely;
 
 /// Number of first events that are no reference: the core still learns the shared quantities there,
 /// for which two events are needed (`stats/fading_trend.rs`).
@@ -31,9 +32,6 @@ const FEW: f32 = 20.0;
 /// few events may happen to lie on a line. Tuned: with .1 the intervals of noise with a correlation
 /// of .9 are a fifteenth wider, with .5 friction that wanders is 3.8 standard deviations off (3.2).
 const LEAST_SHARE: f32 = 0.25;
-/// Part of the past that is kept with every event, of the scatter and of a move found: the same as
-/// for the quantities that events share.
-const FADE: f32 = 1.0 - 1.0 / 40.0;
 /// Standard errors beyond which a shift of `mu` is significant: of normal variables one in 2000.
 /// Three means are tested with every event.
 const SIGNIFICANT: f32 = 3.5;

@@ -1,5 +1,6 @@
 //! The data of one event's fit: lines, samples, priors.
 
+use crate::effect::{Effect, Effects};
 use crate::fit::Fit;
 use crate::model::corner::{Corner, MAY_BE_ROUND, Rounded};
 use crate::model::{CycleParams, Shape};
@@ -20,15 +21,12 @@ pub(crate) struct Samples<'a> {
     pub rest_weight: f32,
     /// Beginning of the rest after the slip, periods.
     pub rest_from: f32,
-    /// Times at which the slip begins and ends, periods.
-    pub slip: (f32, f32),
 }
 
 impl<'a> Samples<'a> {
-    /// Samples of equal weight, of a slip whose ends are not known.
+    /// Samples of equal weight.
     pub(crate) fn new(start: f32, forces_n: &'a [f32]) -> Self {
-        let (rest_from, slip) = (f32::INFINITY, (f32::INFINITY, f32::INFINITY));
-        Self { start, forces_n, rest_weight: 1.0, rest_from, slip }
+        Self { start, forces_n, rest_weight: 1.0, rest_from: f32::INFINITY }
     }
 
     /// Time of the last sample, earlier by the number of missing ones: no later than the last good
@@ -37,9 +35,10 @@ impl<'a> Samples<'a> {
         self.start + self.count() as f32 - 1.0
     }
 
-    /// Weight of a sample at a time.
+    /// Weight of a sample at a time; without the effect of a cable that flops all have the same.
     pub(crate) fn weight(&self, time: f32) -> f32 {
-        if time > self.rest_from { self.rest_weight } else { 1.0 }
+        const MAY_FLOP: bool = Effects::COMPILED.has(Effect::Flop);
+        if MAY_FLOP && time > self.rest_from { self.rest_weight } else { 1.0 }
     }
 
     /// Number of the valid samples.

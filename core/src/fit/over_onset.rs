@@ -15,6 +15,7 @@ use crate::model::{CycleParams, Shape};
 use crate::num::math::{self, larger, smaller};
 use crate::stats::normal_equations::{UNKNOWNS, scaled};
 use crate::stats::prior::Prior;
+use crate::stats::significance::SURE;
 
 /// Length, periods, up to which a slip is also averaged while the swing is not known from other
 /// events, or if it ends right at a sample on a slack cable: a longer slip has three samples.
@@ -74,7 +75,8 @@ impl OverOnset {
 
     /// One iteration. Breaks with the posterior after the last place.
     pub(crate) fn step(&mut self, data: &Data<'_>, best: &Fit) -> ControlFlow<Posterior> {
-        let onset = best.cycle().onset + self.offset(self.place).0;
+        let (by, width) = self.offset(self.place);
+        let onset = best.cycle().onset + by;
         let steepest = self.from.rate + self.from.half_drop_n * self.from.omega;
         let held = Prior { mean: onset, weight: HELD * steepest * steepest };
         let held = Data { priors: &Priors { onset: held, ..*data.priors }, ..*data };
@@ -85,7 +87,7 @@ impl OverOnset {
             return ControlFlow::Continue(());
         };
         self.fitting = None;
-        self.take(data, best, fit)
+        self.take(data, best, fit, (by, width))
     }
 
     /// Is the onset undetermined within a period to either side?
@@ -106,10 +108,15 @@ impl OverOnset {
         ((steps / f32::from(self.steps)).copysign(f32::from(place)), width)
     }
 
-    /// Adds the fit of one place.
-    fn take(&mut self, data: &Data<'_>, best: &Fit, fit: Option<Fit>) -> ControlFlow<Posterior> {
+    /// Adds the fit of one place, `by` from the best fit, which represents this width.
+    fn take(
+        &mut self,
+        data: &Data<'_>,
+        best: &Fit,
+        fit: Option<Fit>,
+        (by, width): (f32, f32),
+    ) -> ControlFlow<Posterior> {
         let (prior, noise_n2) = (data.priors.onset, data.priors.noise_n2);
-        let (by, width) = self.offset(self.place);
         let onset = best.cycle().onset + by;
         // Beyond an unlikely place all places are unlikely.
         let mut ends = fit.is_none();
@@ -142,8 +149,6 @@ impl OverOnset {
 /// may then have gone slack earlier with the same likelihood: the fit determines only that the fall
 /// does not end before this sample.
 fn is_at_edge(shape: &Shape, noise_n2: f32) -> bool {
-    // Standard deviations: of normal variables one in 16 000.
-    const SURE: f32 = 4.0;
     if !shape.is_slack() {
         return false;
     }

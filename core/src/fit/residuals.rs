@@ -2,8 +2,8 @@
 //! deviation.
 
 use crate::num::math::{self, smaller};
-use crate::stats::prior::surely;
 use crate::stats::quantile::Quantile;
+use crate::stats::significance::{SURE, surely};
 
 /// Pooled residuals of the events' fits.
 ///
@@ -85,14 +85,12 @@ impl Residuals {
 /// The square of Birge's ratio, if significantly above 1: an event's own mean square residual over
 /// the noise variance; else 1. What the model lacks in one event it seldom lacks in the next.
 pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
-    // Standard errors.
-    const SIGNIFICANT: f32 = 4.0;
     let free = math::larger(free, 1.0);
     let more = squares_n2 / (free * noise_n2) - 1.0;
     if more <= 0.0 {
         return 1.0;
     }
-    1.0 + more * surely(more, SIGNIFICANT * math::sqrt(2.0 / free))
+    1.0 + more * surely(more, SURE * math::sqrt(2.0 / free))
 }
 
 #[cfg(test)]

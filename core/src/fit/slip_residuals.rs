@@ -77,10 +77,11 @@ impl Data<'_> {
     /// The fit is made without that scatter, `x = A⁻¹ Σ w u r`, so its covariance grows by
     /// `λ Σ g w² (A⁻¹ u)(A⁻¹ u)ᵀ`. The scatter may be the same in every slip. The prior of the
     /// swing then has the same error and does not reduce it, so for the forces `A` is the matrix
-    /// without that prior.
+    /// without that prior. The slip lasts from the time `from` to `to`, periods.
     pub(crate) fn slip_residuals(
         &self,
         fit: &Fit,
+        (from, to): (f32, f32),
         knows_swing: bool,
         noise_n2: f32,
     ) -> (SlipResiduals, Variances) {
@@ -90,7 +91,6 @@ impl Data<'_> {
         let without = fit.without(&SWING, self.priors.inverse_omega);
         let Without { tied: [_, _, by_static, by_drop, own, _], gain } =
             without.unwrap_or_default();
-        let (from, to) = self.samples.slip;
         // At least 1, also for a slip whose ends are NaN.
         let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
         let inside = self.samples.good().filter(|&(time, _)| time > from && time < to).enumerate();

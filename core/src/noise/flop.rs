@@ -10,7 +10,7 @@
 use crate::effect::Parameter;
 use crate::num::math::{self, larger, smaller};
 use crate::stats::line::Line;
-use crate::stats::prior::surely;
+use crate::stats::significance::{SURE, surely};
 
 /// Time constant of the forgetting, sticks. A choice: more sticks resolve a smaller excess, fewer
 /// follow a cable that changes.
@@ -19,8 +19,6 @@ const MEMORY: f32 = 16.0;
 const FEWEST: u32 = 8;
 /// Least effective number of sticks (with forgetting) for a first excess: three sticks.
 const FEWEST_STICKS: f32 = 2.5;
-/// Standard errors beyond which an excess is significant (normal: one in 16 000).
-const SIGNIFICANT: f32 = 4.0;
 /// Least excess that is used: with less a first sample weighs more than half of a late one.
 const LEAST: f32 = 1.0;
 /// Effective number of sticks without an excess after which only one of [`SELDOM`] is used.
@@ -185,7 +183,7 @@ impl FlopProfile {
         let usual_n2 = self.late_n2 / self.late;
         let Early { sums, squares_n2: [_, square_by_age_n2] } = self.early;
         let by_age = square_by_age_n2 / usual_n2 - sums[1];
-        let limit = SIGNIFICANT * math::sqrt(chance);
+        let limit = SURE * math::sqrt(chance);
         let is_new = self.is_flat() && self.sticks < FEWEST_STICKS;
         self.excess = 0.0;
         // False for NaN as well.

@@ -5,6 +5,7 @@
 
 use crate::num::math::smaller;
 use crate::stats::quantile::Quantile;
+use crate::stats::significance::SIGNIFICANT;
 
 /// Compares rises and falls, until the fits give the noise.
 #[derive(Clone, Copy, Debug, Default)]
@@ -58,10 +59,8 @@ impl TimeAsymmetry {
     /// Mean steepest step of a fall, N, weighted by the scores, if the falls' scores are more than
     /// twice the rises', and the difference is beyond 3 standard errors.
     pub(crate) fn slip_n(&self) -> Option<f32> {
-        /// Standard errors of a significant asymmetry (normal: one in 370).
-        const SURE: f32 = 3.0;
         let more = self.falls - self.rises;
-        let sure = more > self.rises && more * more > SURE * SURE * self.squares;
+        let sure = more > self.rises && more * more > SIGNIFICANT * SIGNIFICANT * self.squares;
         sure.then(|| self.fall_n / self.falls)
     }
 }

@@ -16,7 +16,7 @@ impl Pipeline {
     pub fn report(&self) -> Report {
         let (loading_rate, omega) = self.cycles.shared();
         let known = Known {
-            weight_ratio: (self.cycles.weight_ratio().0, self.weight_std),
+            weight_ratio: (self.cycles.weight_ratio().0, self.weight_std.value()),
             drift_n: self.cycles.normal_n() * self.drift.read(Drift::mean_std),
             ..self.known()
         };

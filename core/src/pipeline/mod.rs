@@ -97,7 +97,7 @@ pub struct Pipeline {
     /// Largest force of the events with a coefficient, N: a knock's says nothing of the zero.
     largest_n: f32,
     /// Relative standard deviation of the weight due to changes of the block, mean over the events.
-    weight_std: f32,
+    weight_std: Kept<f32, { Effect::Mass.room() }>,
     /// The newest change.
     change: Option<Change>,
     /// Onset of the newest event, unless a stretch without an event follows it; number of the
@@ -140,7 +140,7 @@ impl Pipeline {
             mu: Estimator::default(),
             drift: Kept::default(),
             largest_n: 0.0,
-            weight_std: 0.0,
+            weight_std: Kept::default(),
             change: None,
             stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
             last_onset: None,

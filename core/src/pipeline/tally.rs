@@ -54,7 +54,8 @@ impl Pipeline {
         if mu_s.or(mu).is_some() {
             self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
             let events = self.mu_s.count().max(self.mu.count()).max(1) as f32;
-            self.weight_std += (self.cycles.weight_ratio().1 - self.weight_std) / events;
+            let (_, newest) = self.cycles.weight_ratio();
+            self.weight_std.update(|mean| *mean += (newest - *mean) / events);
         }
         self.add_systematic(event.mu_s.as_mut(), event.mu.as_mut());
         step.event = Some(event);

@@ -9,29 +9,27 @@
 //! that (`surely`): no expectation jumps because of a rounding error.
 
 use crate::num::math::{self, larger};
+use crate::stats::in_a_row::InARow;
 use crate::stats::line::Line;
-use crate::stats::prior::{Prior, surely};
+use crate::stats::prior::Prior;
 use crate::stats::quantity::Quantity;
+use crate::stats::significance::{SIGNIFICANT, surely};
 
 /// Time constant of the forgetting, events. A choice: more make expectations more precise, fewer
 /// follow a cable that gets shorter.
 const MEMORY: f32 = 40.0;
+/// Part of the past that is kept with every event, of all that the events share.
+pub(crate) const FADE: f32 = 1.0 - 1.0 / MEMORY;
 /// Least effective number of events (with forgetting) for an expectation: two events.
 const LEAST_EVENTS: f32 = 1.5;
 /// Least part of the events that have to measure a quantity. Tuned: with a sixth or two fifths no
 /// class of `docs/honesty.md` changes, without it half of the slips of two thirds of a sample in a
 /// real recording are refused.
 const LEAST_PART: f32 = 0.25;
-/// Standard errors beyond which the mean of a quantity that should be zero is significant (normal:
-/// one in 370).
-const SIGNIFICANT: f32 = 3.0;
 /// Standard errors beyond which a trend is significant: more, for it is tested with every event.
 const TREND: f32 = 5.0;
 /// Standard deviations beyond which an event is an outlier (normal: one in 5e8).
 const FAR_OFF: f32 = 6.0;
-/// Number of outliers in a row with which a quantity has changed, or all of them, and the past is
-/// dropped. A pause of the winch spoils a stick line, and with it the two events that share it.
-pub(crate) const CHANGED: u8 = 3;
 
 /// Running mean of a quantity that events share, its trend, and its variance between events.
 ///
@@ -54,7 +52,7 @@ pub(crate) struct FadingTrend {
     /// Variance between events, `τ²`, in so far as it is significant.
     between: f32,
     /// Outliers in a row.
-    strangers: u8,
+    strangers: InARow,
     /// Expected value of the next event, and its variance without that between events; zeros before
     /// the first event.
     pub(crate) now: (f32, f32),
@@ -77,7 +75,6 @@ impl FadingTrend {
 
     /// Applies the forgetting; the trend stays where it is.
     pub(crate) fn fade(&mut self) {
-        const FADE: f32 = 1.0 - 1.0 / MEMORY;
         self.line.fade(FADE);
         self.count *= FADE;
         self.excess *= FADE;
@@ -94,14 +91,12 @@ impl FadingTrend {
         let (expected, expected_variance) = self.at(NEWEST);
         let step = value - expected;
         let usual = variance + self.between + expected_variance;
-        if self.is_known() && step * step > FAR_OFF * FAR_OFF * usual {
-            self.strangers += 1;
-            if self.strangers < CHANGED {
-                return;
-            }
+        let is_off = self.is_known() && step * step > FAR_OFF * FAR_OFF * usual;
+        if self.strangers.take(is_off) {
             self.count = 0.0;
+        } else if is_off {
+            return;
         }
-        self.strangers = 0;
         if self.count <= 0.0 {
             *self = Self { unit: variance, ..Self::default() };
         }
@@ -125,7 +120,7 @@ impl FadingTrend {
     /// Value of the line at a time, and its variance, without that between events; the slope counts
     /// in so far as it is significant.
     fn at(&self, time: f32) -> (f32, f32) {
-        let slope = self.line.slope().unwrap_or(0.0);
+        let slope = self.line.slope;
         let size = slope * slope * self.line.slope_weight;
         let near = surely(size, TREND * TREND * self.unit) * (time - self.line.time);
         let time = self.line.time + near;
@@ -163,7 +158,7 @@ impl FadingTrend {
 
     /// Was the newest event an outlier, and left out?
     pub(crate) fn is_off(&self) -> bool {
-        self.strangers > 0
+        self.strangers.is_odd()
     }
 
     /// Have two events measured it?

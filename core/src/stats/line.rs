@@ -23,8 +23,8 @@ pub(crate) struct Line {
     lost_n: f32,
     /// Weight of the slope: Σ w (t − mean)².
     pub slope_weight: f32,
-    /// Slope, N per period; zero before it is known.
-    slope: f32,
+    /// Slope, N per period; zero before it is known, see [`Self::slope`].
+    pub slope: f32,
     /// Σ w (F − line)², N².
     pub residual_n2: f32,
     /// Number of points.

@@ -1,6 +1,6 @@
-//! Prior knowledge of a quantity, and the weight of a finding by its significance.
+//! Prior knowledge of a quantity.
 
-use crate::num::math::smaller;
+use crate::stats::significance::surely;
 
 /// Standard deviations beyond which a measurement contradicts its prior (normal: one in 370). Tuned:
 /// with 2.5 the errors of the linear scenes are 2 % larger, with 3.5 the events of a winch whose speed
@@ -49,12 +49,6 @@ impl Prior {
 /// The precision `weight` after a variance was added: one over `1/weight + variance`.
 pub(crate) fn loosened(weight: f32, variance: f32) -> f32 {
     weight / (1.0 + variance * weight)
-}
-
-/// Weight of a finding by its size: 0 up to the limit, rising linearly to 1 at twice that.
-#[inline(never)]
-pub(crate) fn surely(size: f32, limit: f32) -> f32 {
-    if size > limit { smaller(size / limit - 1.0, 1.0) } else { 0.0 }
 }
 
 /// An event's own measurement: its estimate and variance with the prior taken out.

@@ -193,8 +193,7 @@ impl Stretches {
         }
         self.close();
         let count = means.count as f32;
-        let slope = means.slope().unwrap_or(0.0);
-        let squares_n2 = means.residual_n2 + slope * slope * means.slope_weight;
+        let squares_n2 = means.residual_n2 + means.slope * means.slope * means.slope_weight;
         let std = math::sqrt(squares_n2 / (count * (count - 1.0))) / self.weight_n;
         let force_over_weight = means.level_n / self.weight_n;
         let kind = StretchKind::Steady { force_over_weight, std, moving: self.moving };

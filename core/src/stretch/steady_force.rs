@@ -5,17 +5,13 @@
 use crate::num::math::{self, larger};
 use crate::sample::{ForcePoint, RawSample};
 use crate::stats::line::Line;
+use crate::stats::significance::{SIGNIFICANT, SURE};
 
 /// Fewest samples of a block: they give their standard deviation to a fifth, `1/√(2 × 15)`.
 const LEAST_BLOCK: f32 = 16.0;
 /// Fewest and most blocks of a stretch: a shorter one may be a slow stick line, a longer one is
 /// given in parts.
 const BLOCKS: (u32, u32) = (8, 128);
-/// Standard deviations of a significant difference or slope (normal: one in 16 000).
-const SURE: f32 = 4.0;
-/// Standard errors of a rise beyond which a stretch is not given: it may be a slow stick line. Less
-/// than [`SURE`]: a stretch that is left out is no error.
-const UNLIKELY: f32 = 3.0;
 /// Block means that differ by less than this part of the force are equal. A choice: with less,
 /// friction that wanders ends a stretch where there is hardly any noise.
 const SAME: f32 = 0.01;
@@ -74,8 +70,9 @@ impl SteadyForce {
     #[cold]
     pub(super) fn end(&mut self, next: u32) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
-        // A significant rise is as likely that of a slow stick line.
-        let rises = self.slope_over_std2() > UNLIKELY * UNLIKELY;
+        // A rise is as likely that of a slow stick line. It need not be sure: a stretch that is left
+        // out is no error.
+        let rises = self.slope_over_std2() > SIGNIFICANT * SIGNIFICANT;
         let stop = self.last.index.saturating_sub(self.count);
         self.clear_block();
         (self.start, self.means) = (next, Line::default());
@@ -143,7 +140,7 @@ impl SteadyForce {
 
     /// Square of the slope of the means over its variance, with the sign of the slope.
     fn slope_over_std2(&self) -> f32 {
-        let slope = self.means.slope().unwrap_or(0.0);
-        slope * slope.abs() * self.means.slope_weight / self.scatter_n2(0.0)
+        let Line { slope, slope_weight, .. } = self.means;
+        slope * slope.abs() * slope_weight / self.scatter_n2(0.0)
     }
 }

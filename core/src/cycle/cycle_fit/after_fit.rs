@@ -57,7 +57,7 @@ impl CycleFit {
             // excess of all residuals over the steps) does not smear it.
             let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
             if learnt.effects.has(Effect::Scatter) {
-                let (own, wider) = data.slip_residuals(fit, knows_swing, quiet_n2);
+                let (own, wider) = data.slip_residuals(fit, slip.ends(), knows_swing, quiet_n2);
                 // Residuals of a force that wanders are no scatter of the slip's own.
                 if !slip.wanders() {
                     learnt.scatter.update(|scatter| scatter.learn(own));
@@ -81,6 +81,7 @@ impl CycleFit {
             *stage = FitStage::Places(places);
             self.shorten();
         } else {
+            self.priors.noise_n2 = now_n2;
             self.measured.posterior = Posterior::at(fit, now_n2);
             *stage = FitStage::Learning;
         }
@@ -102,10 +103,9 @@ impl CycleFit {
 
     /// Updates the expectations of the next events.
     pub(super) fn learn(&mut self, stage: &mut FitStage, learnt: &mut Expectations) {
-        let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.slip));
+        let (fit, noise_n2) = (&self.fit, self.priors.noise_n2);
         let (slip, data) = (&self.slip, self.slip.data(&self.priors, &self.after));
-        self.measured.noise_n2 = noise_n2;
-        let Measured { posterior, alone, verdict, .. } = &mut self.measured;
+        let Measured { posterior, alone, .. } = &mut self.measured;
         if slip.wander.level + slip.wander.line_excess <= 0.0 {
             posterior.common_n2 = fit.wider_n2(noise_n2);
         }
@@ -121,22 +121,23 @@ impl CycleFit {
         *alone = fit.forces_alone(self.rate, noise_n2).filter(|_| is_resolved);
         let strained = is_resolved && self.strain != Strain::None;
         let dynamic_n = dynamic_n(&slip.elongation, posterior);
-        *verdict = learnt.learn(&data, posterior, dynamic_n, noise_n2, (strained, self.excess));
+        let verdict = learnt.learn(&data, posterior, dynamic_n, noise_n2, (strained, self.excess));
+        let is_same = verdict == Verdict::Same;
         let lines = slip.oscillation.get().zip(self.oscillation.get());
         if let Some(lines) = lines.filter(|_| slip.wander.is_disputed()) {
-            let teaches = *verdict == Verdict::Same && is_resolved && !strained;
+            let teaches = is_same && is_resolved && !strained;
             let correction =
                 learnt.learn_oscillation(&slip.wander, lines, (fit, posterior), noise_n2, teaches);
             self.measured.apply(&correction);
         }
-        let Measured { posterior, verdict, .. } = &self.measured;
+        self.measured.verdict = verdict.into();
+        let posterior = &self.measured.posterior;
         // A slip of two samples holds no information on its corners.
         let shows = posterior.is_resolved() && fit.shape.slide_time() > CLEAR;
         if !shows {
             learnt.corner.update(CornerEstimator::pass_over);
         }
-        let asked =
-            *verdict == Verdict::Same && self.strain == Strain::None && shows && learnt.asks();
+        let asked = is_same && self.strain == Strain::None && shows && learnt.asks();
         *stage = if asked { FitStage::Alone(Pass::at(*fit.cycle())) } else { FitStage::Done };
         // The tests use the event alone; the prior of the rate change stays.
         let free = Prior::default();
@@ -147,11 +148,10 @@ impl CycleFit {
     /// ends near the highest and the lowest sample, since a winch that stood during the slip bends
     /// the fit away from them.
     pub(super) fn refused(&self) -> Option<Reason> {
-        let Measured { posterior, verdict, .. } = &self.measured;
         let fits = match self.strain {
             Strain::None => true,
-            Strain::Strained => self.slip.is_spanned(&posterior.cycle, SPANNED, 1.0),
-            Strain::Misfit => *verdict == Verdict::Suspect,
+            Strain::Strained => self.slip.is_spanned(&self.measured.posterior.cycle, SPANNED, 1.0),
+            Strain::Misfit => self.measured.verdict.value() == Verdict::Suspect,
         };
         (!fits).then_some(Reason::NoFit)
     }

@@ -19,7 +19,7 @@ use crate::cycle::cycle_fit::after_fit::Strain;
 use crate::cycle::cycle_fit::score_test::LEVELS_A_STEP;
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::refusal;
-use crate::cycle::slip_record::{GUESSED, SHORTEST_FALL, SURE, SlipRecord};
+use crate::cycle::slip_record::{GUESSED, SHORTEST_FALL, SlipRecord};
 use crate::detector::{MOST_PUT_OFF, Stick};
 use crate::effect::{Effect, Kept};
 use crate::effects::mass_change::Verdict;
@@ -34,6 +34,7 @@ use crate::num::math::{larger, smaller};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
+use crate::stats::significance::SURE;
 
 /// Recurrence, periods, below which an onset whose places are all as likely is undetermined: a cycle
 /// with as many samples as unknowns fits any oscillation, such as hum of 60 Hz sampled at 16 Hz. A
@@ -54,7 +55,8 @@ pub(crate) struct CycleFit {
     /// The oscillation about `after`, if the noise is an oscillation.
     oscillation: Kept<Sinusoid, { Effect::Ripple.room() }>,
     /// The event's priors: loosened where its fit contradicts them, and adapted to the noise by then
-    /// where the onset is averaged.
+    /// where the onset is averaged. Their noise is that of the fit until its residuals are judged,
+    /// then the one that is known with these.
     priors: Priors,
     /// The fit, once it has converged, and the prior of the rate in its normal equations.
     fit: Fit,
@@ -117,10 +119,8 @@ pub(crate) struct Measured {
     pub(crate) posterior: Posterior,
     /// The forces without the prior of the loading rate.
     pub(crate) alone: Option<Forces>,
-    /// Variance of the noise, N².
-    pub(crate) noise_n2: f32,
     /// Result of the test for a change of mass.
-    pub(crate) verdict: Verdict,
+    pub(crate) verdict: Kept<Verdict, { Effect::Mass.room() }>,
 }
 
 impl CycleFit {

@@ -44,7 +44,7 @@ impl CycleFit {
         if *next < data.places() {
             return;
         }
-        let (corner, noise_n2) = (self.priors.corner, self.measured.noise_n2);
+        let (corner, noise_n2) = (self.priors.corner, self.priors.noise_n2);
         asked.free(alone);
         let widens = matches!(terms, Terms::Widen);
         let correction = if widens {

@@ -1,10 +1,11 @@
 //! Falls along a straight line: the winch turned back, and nothing slipped.
 
-use crate::cycle::slip_record::{SURE, SlipRecord};
+use crate::cycle::slip_record::SlipRecord;
 use crate::fit::rounding_n2;
 use crate::model::Shape;
 use crate::num::math::{self, larger, smaller};
 use crate::stats::line::Line;
+use crate::stats::significance::SURE;
 
 /// Largest residual variance of an even fall about its line, in units of the noise variance, which
 /// may come from few samples. Tuned: with 5 a fall of `winding_back` is taken for a slip, with 20
@@ -66,11 +67,10 @@ pub(crate) fn is_angular(slip: &SlipRecord, shape: &Shape, after: &Line) -> bool
     if straight.count < shapely(slip) || own_n2(&straight) > EVEN * noise_n2(slip, after) {
         return false;
     }
-    let fall_n = straight.slope().unwrap_or(0.0);
     let (mut fitted_n2, mut even_n2, mut count) = (0.0, 0.0, 0.0);
     for (time, force_n) in slip.samples().good() {
         let since_onset = time - shape.cycle().onset;
-        let even_n = smaller(shape.before(since_onset).0, straight.at(time, fall_n));
+        let even_n = smaller(shape.before(since_onset).0, straight.at(time, straight.slope));
         // A cable does not push.
         let off_n = force_n - larger(larger(even_n, shape.after(since_onset).0), 0.0);
         let fitted_n = force_n - shape.force(time).0;

@@ -8,10 +8,11 @@ mod slackness;
 mod stiffness;
 
 use crate::coefficient::Coefficient;
-use crate::cycle::slip_record::{SURE, SlipRecord};
+use crate::cycle::slip_record::SlipRecord;
 use crate::event::{Event, Reason};
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
+use crate::stats::significance::SURE;
 
 pub(super) use even_fall::{is_angular, is_shapely};
 pub(super) use recurrence::{FAST, Recurrence};
@@ -80,7 +81,7 @@ pub(crate) fn of_fall(
 /// the fall.
 fn is_held(slip: &SlipRecord, rate: f32) -> bool {
     let before = &slip.before;
-    let less = FLAT * rate - before.slope().unwrap_or(0.0);
+    let less = FLAT * rate - before.slope;
     is_no_chance((less, slip.noise_n2 / before.slope_weight))
 }
 

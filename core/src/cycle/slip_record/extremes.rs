@@ -1,7 +1,7 @@
 //! Estimates from the highest and the lowest sample of a slip, for slips with hardly a sample
 //! between them.
 
-use crate::cycle::slip_record::{PI, SHORTEST_FALL, SURE, SlipRecord};
+use crate::cycle::slip_record::{PI, SHORTEST_FALL, SlipRecord};
 use crate::detector::Stick;
 use crate::fit::posterior::CLEAR;
 use crate::num::math::{self, larger, smaller};
@@ -9,6 +9,7 @@ use crate::sample::{ForcePoint, since};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
+use crate::stats::significance::SURE;
 
 /// The highest or the lowest sample of a slip: time, periods from the event's origin, and force.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +68,7 @@ impl Rough {
         let newest = before(1).map(|before_n| peak.force_n - before_n);
         let older =
             before(2).zip(newest).map(|(earlier_n, rise_n)| peak.force_n - rise_n - earlier_n);
-        let climb = older.into_iter().chain(newest).reduce(larger);
+        let climb = older.zip(newest).map_or(newest, |(older, newest)| Some(larger(older, newest)));
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
         let drop_n = peak.force_n - low.force_n;
         let least = 1e-4 * drop_n;
@@ -112,16 +113,11 @@ impl Rough {
 }
 
 impl SlipRecord {
-    /// Times, periods, of the highest and the lowest sample.
-    pub(crate) fn extremes(&self) -> (f32, f32) {
-        (self.peak.time, self.low.time)
-    }
-
     /// Times, periods, between which the samples of the steep fall lie: without the highest and the
     /// lowest one, and without plateaus.
     pub(crate) fn steep(&self) -> (f32, f32) {
-        let ((peak, low), (from, to)) = (self.extremes(), self.rough.edges);
-        (larger(peak + 0.5, from), smaller(low - 0.5, to))
+        let (from, to) = self.rough.edges;
+        (larger(self.peak.time + 0.5, from), smaller(self.low.time - 0.5, to))
     }
 
     /// Variance of the noise about the stick lines before and after, N²; the detector's where both
@@ -210,9 +206,8 @@ impl SlipRecord {
     /// slip may have begun, or ended, on either side of the missing ones. Where the earlier events
     /// determine the length of a slip, one sample suffices.
     pub(crate) fn hides_length(&self, length_known: bool) -> bool {
-        let (peak, low) = self.extremes();
-        let inside = self.samples().good().filter(|&(time, _)| time > peak && time < low);
-        let inside = inside.count() as f32;
+        let is_inside = |&(time, _): &(f32, f32)| time > self.peak.time && time < self.low.time;
+        let inside = self.samples().good().filter(is_inside).count() as f32;
         let least = if length_known { 1.0 } else { SHORTEST_FALL };
         inside + 1.0 < self.fall() && inside < least
     }
@@ -222,7 +217,7 @@ impl SlipRecord {
     pub(super) fn edges(&self) -> (f32, f32) {
         let part_n = self.rough.edge_part * self.drop_n();
         let (high_n, low_n) = (self.peak.force_n - part_n, self.low.force_n + part_n);
-        let ((peak, low), middle) = (self.extremes(), self.rough.middle);
+        let (peak, low, middle) = (self.peak.time, self.low.time, self.rough.middle);
         let mut from = peak;
         for (time, force_n) in self.samples().good() {
             if time > peak && time < middle && force_n > high_n {
@@ -238,7 +233,7 @@ impl SlipRecord {
     /// Time, periods, at which the samples fall through half the drop.
     pub(super) fn crossing(&self) -> f32 {
         let half_n = 0.5 * (self.peak.force_n + self.low.force_n);
-        let (peak, low) = self.extremes();
+        let (peak, low) = (self.peak.time, self.low.time);
         let (mut earlier, mut from_n) = (peak, self.peak.force_n);
         for (time, force_n) in self.samples().good().filter(|&(time, _)| time > peak) {
             if force_n < half_n {

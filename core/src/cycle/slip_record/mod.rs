@@ -21,15 +21,12 @@ use crate::sample::{ForcePoint, SampleTime, since};
 use crate::signal::window::Window;
 use crate::stats::lattice::spacing;
 use crate::stats::line::Line;
+use crate::stats::significance::SURE;
 
 const PI: f32 = core::f32::consts::PI;
 
 /// Most samples between the two stick lines, 384 bytes: at 16 Hz a slip may take six seconds.
 const CORE: usize = 96;
-
-/// Standard deviations of the noise beyond which a difference is significant: a normal variable
-/// exceeds them once in 16 000.
-pub(crate) const SURE: f32 = 4.0;
 
 /// Uncertainty of onset and stop, periods, of a slip that is hardly resolved, before its last fit.
 pub(crate) const UNSURE: f32 = 0.25;
@@ -86,8 +83,8 @@ pub(crate) struct SlipRecord {
     pub(crate) hidden: Option<Reason>,
     /// The cycle from which the last fit begins: of the first answer, or of the fit without priors.
     pub(crate) early: Option<CycleParams>,
-    /// Onset and stop, periods: of the cycle `early`, or else the times of the extremes.
-    slip: (f32, f32),
+    /// Stop, periods: of the cycle `early`, or else the time of the lowest sample.
+    stop: f32,
     /// Latest time that the event may reach, periods: the highest sample before the next slip.
     pub(crate) limit: f32,
     /// Why the event is refused without a fit.
@@ -130,7 +127,7 @@ impl SlipRecord {
             rest_from: low.time,
             hidden: None,
             early: None,
-            slip: (peak.time, low.time),
+            stop: low.time,
             limit: f32::MAX,
             refused: None,
         }
@@ -155,15 +152,19 @@ impl SlipRecord {
     pub(crate) fn take_first_answer(&mut self, first: Option<&Fit>) {
         self.begin_from(first);
         if self.rest_weight < 1.0 && first.is_some() {
-            self.rest_from = self.slip.1 - UNSURE;
+            self.rest_from = self.stop - UNSURE;
         }
     }
 
     /// Sets the cycle from which the last fit begins, that of an earlier fit, if there is one.
     pub(crate) fn begin_from(&mut self, earlier: Option<&Fit>) {
-        let slip = |fit: &Fit| (fit.cycle().onset, fit.shape.stop());
         self.early = earlier.map(|fit| *fit.cycle());
-        self.slip = earlier.map_or_else(|| self.extremes(), slip);
+        self.stop = earlier.map_or(self.low.time, |fit| fit.shape.stop());
+    }
+
+    /// Onset and stop, periods: of the cycle `early`, or else the times of the extremes.
+    pub(crate) fn ends(&self) -> (f32, f32) {
+        (self.early.map_or(self.peak.time, |early| early.onset), self.stop)
     }
 
     /// Appends the samples that follow the last one taken, up to the index `to`, as room allows.
@@ -182,7 +183,7 @@ impl SlipRecord {
     pub(crate) fn samples(&self) -> Samples<'_> {
         let forces_n = self.forces_n.get(..self.length).unwrap_or_default();
         let (rest_weight, rest_from) = (self.rest_weight, self.rest_from);
-        Samples { rest_weight, rest_from, slip: self.slip, ..Samples::new(self.start, forces_n) }
+        Samples { rest_weight, rest_from, ..Samples::new(self.start, forces_n) }
     }
 
     /// Variance of a converter's rounding, a twelfth of the squared step, N². Zero unless the
@@ -266,7 +267,7 @@ impl SlipRecord {
         if previous.early.is_none() || !is_steady || was_slack {
             return;
         }
-        let (stop, end) = (previous.slip.1 + UNSURE, since(previous.origin, stick.origin));
+        let (stop, end) = (previous.stop + UNSURE, since(previous.origin, stick.origin));
         let later = since(self.origin, previous.origin);
         for (time, force_n) in previous.samples().good() {
             if time > stop && time < end {

@@ -82,7 +82,7 @@ mod tests {
             late: Kept::default(),
             hidden: None,
             early: None,
-            slip: (0.0, 0.0),
+            stop: 0.0,
             limit: f32::MAX,
             refused: None,
         };

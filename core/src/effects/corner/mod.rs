@@ -18,8 +18,9 @@ use crate::fit::correction::Correction;
 use crate::fit::{DYNAMIC, Fit, STATIC};
 use crate::model::corner::{Corner, NUMBERS, Numbers};
 use crate::num::math::{self, larger, smaller};
+use crate::stats::fading_trend::FADE;
 use crate::stats::normal_equations::{ENTRIES_OF_FIRST, Factor, Gradient, Symmetric, dot, place};
-use crate::stats::prior::surely;
+use crate::stats::significance::{SIGNIFICANT, surely};
 
 /// Estimate of the corners that the events share.
 #[derive(Clone, Copy, Debug, Default)]
@@ -49,12 +50,8 @@ pub(crate) struct CornerEstimator {
     untested: u8,
 }
 
-/// Part of the sums kept with every tested event: the same as for quantities that events share.
-const FADE: f32 = 1.0 - 1.0 / 40.0;
 /// Number of events up to which no parameter is significant; it may only widen.
 const LEAST_EVENTS: f32 = 2.5;
-/// Standard errors beyond which a parameter is significant: of normal variables one in 370.
-const SIGNIFICANT: f32 = 3.0;
 /// Standard errors beyond which a parameter is possible and widens. Tuned: a smaller one widens
 /// linear scenes, a larger one lets smooth onsets pass for sharp ones.
 const POSSIBLE: f32 = 1.1;

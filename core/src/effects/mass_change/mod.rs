@@ -20,6 +20,7 @@ pub(crate) use crate::effects::mass_change::swings::Evidence;
 use crate::effects::mass_change::swings::{LEAST, Ratio, Swings};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::prior::Prior;
+use crate::stats::running_mean::RunningMean;
 
 /// Standard deviations beyond which the mean swing of a trial is off. Tuned: fewer than for one
 /// event, since a trial is only begun where the forces have changed as well.
@@ -74,9 +75,8 @@ pub(crate) struct Mass {
     state: State,
     /// Number of events since the last change that no mass explains.
     seen: u32,
-    /// Mean `Fp` of the recent events, N, and its mean squared deviation, N².
-    dynamic_n: f32,
-    scatter_n2: f32,
+    /// `Fp` of the recent events, N.
+    dynamic_n: RunningMean,
     /// The weight in use over the given one, up to the last change.
     base: Ratio,
     /// Relative uncertainty of the newest event's weight, from an outlier of `Fp` of unknown cause.
@@ -146,7 +146,7 @@ impl Mass {
             *swing = *kept;
             // An event that the model does not describe is not learnt from either.
             (if evidence.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
-        } else if evidence.explains(before, self.dynamic_n) {
+        } else if evidence.explains(before, self.dynamic_n.mean) {
             self.change_mass(before, evidence.dynamic_n);
             (Verdict::Mass, State::Steady)
         } else if odd >= if evidence.inverse_omega.is_some() { ODD } else { SILENT } {
@@ -173,18 +173,15 @@ impl Mass {
             self.state = State::Trial(events + 1);
             let verdict = self.tried(events + 1)?;
             if verdict == Verdict::Unknown {
-                self.leave_open(evidence.dynamic_n, self.dynamic_n);
+                self.leave_open(evidence.dynamic_n, self.dynamic_n.mean);
             }
-            self.dynamic_n = self.since.dynamic_n_or(self.dynamic_n);
+            self.dynamic_n.mean = self.since.dynamic_n_or(self.dynamic_n.mean);
             return Some(verdict);
         }
         // An `Fp` that another weight may have caused does not enter the mean; the first one begins
         // it anew.
         if self.doubt.abs() <= 0.0 || self.seen == 1 {
-            let share = 1.0 / self.seen.clamp(1, 8) as f32;
-            let off_n = evidence.dynamic_n - self.dynamic_n;
-            self.dynamic_n += share * off_n;
-            self.scatter_n2 += share * (off_n * off_n * (1.0 - share) - self.scatter_n2);
+            self.dynamic_n.add(evidence.dynamic_n, 1.0 / self.seen.clamp(1, 8) as f32);
         }
         None
     }
@@ -192,9 +189,10 @@ impl Mass {
     /// Relative deviation of an event's `Fp` from the mean, if it is an outlier by more than
     /// [`LEAST`]; else zero.
     fn off(&self, evidence: &Evidence) -> f32 {
-        let off_n = evidence.dynamic_n - self.dynamic_n;
-        let is_far = off_n * off_n > FAR_FORCE * FAR_FORCE * self.scatter_n2;
-        let off = off_n / self.dynamic_n;
+        let RunningMean { mean, variance } = self.dynamic_n;
+        let off_n = evidence.dynamic_n - mean;
+        let is_far = off_n * off_n > FAR_FORCE * FAR_FORCE * variance;
+        let off = off_n / mean;
         if self.seen >= FEWEST && is_far && off.abs() > LEAST { off } else { 0.0 }
     }
 }
@@ -257,7 +255,10 @@ mod tests {
         // Its second event is no outlier of the new weight, and begins the new mean of `Fp`.
         let second = taken::<14>(core::array::from_fn(|i| swings[i])).0;
         let (_, std) = second.mass.weight_ratio_and_std();
-        assert!(std < 0.02 && (second.mass.dynamic_n / 238.0 - 1.0).abs() < 0.01, "{second:?}");
+        assert!(
+            std < 0.02 && (second.mass.dynamic_n.mean / 238.0 - 1.0).abs() < 0.01,
+            "{second:?}"
+        );
     }
 
     #[test]

@@ -16,7 +16,7 @@ impl Mass {
         let known = before.weight * before.mean * before.mean * LEAST * LEAST > 1.0;
         if known && matches!(self.state, State::Steady) {
             self.start(Some(before));
-            self.dynamic_n = dynamic_before_n;
+            self.dynamic_n.mean = dynamic_before_n;
             *swing = FadingTrend::default();
             self.state = State::Trial(0);
         }
@@ -27,7 +27,7 @@ impl Mass {
     pub(crate) fn leave_open(&mut self, dynamic_n: f32, before_n: f32) {
         let off = dynamic_n / before_n - 1.0;
         self.base.variance += off * off;
-        (self.dynamic_n, self.doubt) = (dynamic_n, 0.0);
+        (self.dynamic_n.mean, self.doubt) = (dynamic_n, 0.0);
     }
 
     /// Is a trial under way?
@@ -54,7 +54,7 @@ impl Mass {
     pub(super) fn tried(&mut self, events: u32) -> Option<Verdict> {
         let Ratio { value, variance } = self.ratio();
         let (value, variance) = (value / self.base.value, variance - self.base.variance);
-        let (off, forces) = (value - 1.0, self.since.dynamic_n / self.dynamic_n);
+        let (off, forces) = (value - 1.0, self.since.dynamic_n / self.dynamic_n.mean);
         let is_seen = self.since.count > 1;
         let least = FAR_MEAN * FAR_MEAN * variance * value * value;
         let excludes = |ratio: f32| is_seen && (value - ratio) * (value - ratio) > least;
@@ -109,10 +109,10 @@ impl Mass {
             self.start(Some(before));
         }
         // Friction goes with the weight, and so does its scatter.
-        let forces = dynamic_n / self.dynamic_n;
-        self.scatter_n2 *= forces * forces;
+        let forces = dynamic_n / self.dynamic_n.mean;
+        self.dynamic_n.variance *= forces * forces;
         // The mass explains the force.
-        (self.dynamic_n, self.doubt) = (dynamic_n, 0.0);
+        (self.dynamic_n.mean, self.doubt) = (dynamic_n, 0.0);
     }
 
     /// Has the mass changed so lately that a few swings have been seen since?

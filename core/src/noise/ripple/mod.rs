@@ -13,6 +13,7 @@ pub(crate) use colored::{ColoredNoise, Wander};
 
 use crate::effect::Parameter;
 use crate::num::math::{larger, smaller};
+use crate::stats::in_a_row::InARow;
 use sums::Sums;
 
 /// Statistics of the innovations, with forgetting, that distinguish colored noise from white.
@@ -27,8 +28,8 @@ pub(crate) struct Ripple {
     past: Sums,
     /// Usual mean square of a rest, a running estimate; zero before the first.
     usual: f32,
-    /// Foul rests in a row, see [`FOUL`].
-    fouls: u8,
+    /// Foul rests, see [`FOUL`].
+    fouls: InARow,
 }
 
 /// Lag, samples, at which a slow departure shows its slope.
@@ -44,8 +45,6 @@ const FOUL: f32 = 6.0;
 /// rests of ten lie below, `UP^7 DOWN^3` = 1.02: more than half of the rests may be foul.
 const UP: f32 = 1.35;
 const DOWN: f32 = 0.5;
-/// Number of foul rests in a row from which on they are the normal case.
-const IN_A_ROW: u8 = 3;
 /// Fewest samples of a rest that update the usual mean square.
 const LEAST_REST: f32 = 6.0;
 impl Ripple {
@@ -95,9 +94,9 @@ impl Ripple {
         let mean = rest.squares / rest.count;
         let mut is_foul = usual > 0.0 && mean > FOUL * usual;
         if rest.count >= LEAST_REST {
-            self.fouls = if is_foul { self.fouls.saturating_add(1) } else { 0 };
+            let are_normal = self.fouls.take(is_foul);
             self.usual = larger(smaller(mean, UP * usual), DOWN * usual);
-            if usual <= 0.0 || self.fouls >= IN_A_ROW {
+            if usual <= 0.0 || are_normal {
                 (self.usual, is_foul, self.past.count) = (mean, false, 0.0);
             }
         }
@@ -126,7 +125,8 @@ impl Ripple {
 impl Default for Ripple {
     fn default() -> Self {
         let (last, held) = ([f32::NAN; FAR], (f32::NAN, 0.0));
-        Self { last, held, rest: Sums::default(), past: Sums::default(), usual: 0.0, fouls: 0 }
+        let (rest, past, fouls) = (Sums::default(), Sums::default(), InARow::default());
+        Self { last, held, rest, past, usual: 0.0, fouls }
     }
 }
 

@@ -2,11 +2,8 @@
 
 use crate::noise::ripple::{ColoredNoise, FAR};
 use crate::num::math::{self, larger, smaller};
-use crate::stats::prior::surely;
+use crate::stats::significance::{SURE, surely};
 
-/// Standard errors beyond which a slow departure is significant; that of the noise's mean square is
-/// about `2 / √count` of it.
-const SIGNIFICANT: f32 = 4.0;
 /// Largest variance of the slope over that of the level with which a bend is followed. An
 /// oscillation of `ω` a sample has `2 (1 − cos ω)`: one of fewer than seven samples changes too
 /// fast to be followed from one to the next, and the mean of the line is better.
@@ -150,8 +147,9 @@ impl Sums {
     fn followed(&self, unsure: f32, fastest: f32) -> ColoredNoise {
         let white = self.second_differences / 6.0;
         let slow = self.squares - white;
+        // The standard error of the noise's mean square is about `2 / √count` of it.
         // With few samples white noise scatters by chance, and is looked at anew after every rest.
-        let limit = 2.0 * SIGNIFICANT / math::sqrt(self.count);
+        let limit = 2.0 * SURE / math::sqrt(self.count);
         let sure = slow > limit * (1.0 + 0.5 * limit) * white;
         let (level, step) = (slow / white, self.first_differences / white - 2.0);
         // False for a noise of zero as well.
@@ -159,7 +157,7 @@ impl Sums {
             return ColoredNoise { unsure, ..ColoredNoise::NONE };
         }
         // A slow bend's slope is lost in the noise of single steps.
-        let sure = step * step.abs() * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
+        let sure = step * step.abs() * self.count > 4.0 * SURE * SURE;
         let far = (self.far_differences_n2() / white - 2.0) / (FAR * FAR) as f32;
         let slope = larger(far, if sure { step } else { 0.0 });
         ColoredNoise { level, slope, unsure, bends: true, ..ColoredNoise::NONE }
