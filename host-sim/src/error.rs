@@ -17,14 +17,14 @@ impl InputError {
 
     /// A file that could not be opened.
     #[must_use]
-    pub fn unopened(error: &io::Error) -> Self {
-        Self::failed("cannot be opened", error)
+    pub fn unopened(error: io::Error) -> Self {
+        Self::failed("cannot be opened", &error)
     }
 
     /// A failed read.
     #[must_use]
-    pub fn unreadable(error: &io::Error) -> Self {
-        Self::failed("cannot be read", error)
+    pub fn unreadable(error: io::Error) -> Self {
+        Self::failed("cannot be read", &error)
     }
 
     /// A failed operation, in the tool's words where it has some, else with the system's message.
@@ -64,11 +64,18 @@ impl From<InputError> for io::Error {
 /// Text from a file for a message: in quotes, printable and short.
 #[must_use]
 pub fn excerpt(bytes: &[u8]) -> String {
-    const LONGEST: usize = 40;
     let text = String::from_utf8_lossy(bytes);
     let tail = if text.chars().nth(LONGEST).is_some() { "..." } else { "" };
-    let start: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();
-    format!("'{start}{tail}'")
+    format!("'{}{tail}'", beginning(&text))
+}
+
+/// Letters of a text that a message shows.
+const LONGEST: usize = 40;
+
+/// The beginning of a text for a message, printable.
+#[must_use]
+pub fn beginning(text: &str) -> String {
+    text.chars().take(LONGEST).flat_map(char::escape_debug).collect()
 }
 
 /// Text of several lines without control of the terminal: characters other than text and line ends

@@ -17,11 +17,16 @@ pub fn counted(count: impl Into<u64>, thing: &str) -> String {
     if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
+/// A decimal number without the zeros at its end.
+#[must_use]
+pub fn trimmed(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+}
+
 /// A number with at most six decimals and no trailing zeros.
 #[must_use]
 pub fn significant(value: f64) -> String {
-    let text = format!("{value:.6}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
+    trimmed(&format!("{value:.6}")).to_string()
 }
 
 /// A number as it was given; in scientific form where it would have hundreds of digits.

@@ -1,7 +1,7 @@
 //! Reads the largest and the smallest force of each cycle as `mu_s Mg` and `mu Mg`.
 
 use super::cutter::{Cut, Cutter};
-use super::method::{Found, Method, Sample, Setup, Tick, Value};
+use super::method::{Found, Method, Sample, Setup, Tick};
 
 /// The method.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ impl Method for Extremes {
 
 impl Extremes {
     fn read(&self, peak: Sample, low: Sample) -> Found {
-        let coefficient = |s: Sample| Value::bare(self.setup.coefficient(f64::from(s.force_n)));
+        let coefficient = |s: Sample| self.setup.value(s.force_n.into(), None);
         Found {
             onset_s: peak.index as f64 / self.setup.rate_hz,
             mu_s: coefficient(peak),

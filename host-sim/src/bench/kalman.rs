@@ -11,7 +11,7 @@
 //! noise along one direction of the state, which `minikalman` (state on the heap, not copyable) and
 //! `adskalman` (linear transitions) do not offer.
 
-use super::method::{Found, Method, Sample, Setup, Tick, Value};
+use super::method::{Found, Method, Sample, Setup, Tick};
 
 mod filter;
 
@@ -268,11 +268,8 @@ impl Kalman {
         if x[STATIC] <= x[CENTRE] {
             return None;
         }
-        let value = |state: usize| {
-            let std = p[(state, state)].max(0.0).sqrt() * self.setup.per_newton();
-            let value = Value::bare(self.setup.coefficient(x[state]))?;
-            Some(Value { std: Some(std), ..value })
-        };
+        let value =
+            |state: usize| self.setup.value(x[state], Some(p[(state, state)].max(0.0).sqrt()));
         let onset_s = onset / self.setup.rate_hz;
         Some(Found { onset_s, mu_s: value(STATIC), mu: value(CENTRE) })
     }

@@ -14,7 +14,7 @@ use nalgebra::{DVector, Dyn, OMatrix, SVector, U5};
 use crate::log::timing::median;
 use crate::sim::bound::LinearEvent;
 
-use super::method::{Found, Method, Sample, Setup, Tick, Value};
+use super::method::{Found, Method, Sample, Setup, Tick};
 use super::segments::{Segment, segments};
 
 /// The method.
@@ -237,13 +237,9 @@ fn read(
     let free = points.len().saturating_sub(5).max(1) as f64;
     let noise_n = (squares_n2(event, points) / free).sqrt();
     let bound = event.bound(points.iter().map(|p| p.0), noise_n);
-    let value = |force_n: f64, std_n: Option<f64>| {
-        let value = Value::bare(setup.coefficient(force_n))?;
-        Some(Value { std: std_n.map(|std_n| std_n * setup.per_newton()), ..value })
-    };
     Found {
         onset_s: event.onset_s,
-        mu_s: value(event.static_force_n, bound.map(|b| b.static_n)),
-        mu: value(event.dynamic_force_n, bound.map(|b| b.dynamic_n)),
+        mu_s: setup.value(event.static_force_n, bound.map(|b| b.static_n)),
+        mu: setup.value(event.dynamic_force_n, bound.map(|b| b.dynamic_n)),
     }
 }

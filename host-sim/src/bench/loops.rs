@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 
 use super::cutter::{Cut, Cutter};
 use super::history::{History, Point};
-use super::method::{Found, Method, Sample, Setup, Tick, Value};
+use super::method::{Found, Method, Sample, Setup, Tick};
 
 /// Largest number of events over which the level of the stick line is averaged.
 const MEMORY: f64 = 10.0;
@@ -190,7 +190,7 @@ impl<R: LoopReading> Method for OfLoops<R> {
 impl<R: LoopReading> OfLoops<R> {
     fn read(&self, found: &Loop) -> Found {
         let forces_n = R::forces_n(found);
-        let coefficient = |force_n: f64| Value::bare(self.setup.coefficient(force_n));
+        let coefficient = |force_n: f64| self.setup.value(force_n, None);
         Found {
             onset_s: found.onset() / self.setup.rate_hz,
             mu_s: forces_n.and_then(|(static_n, _)| coefficient(static_n)),

@@ -21,6 +21,15 @@ impl Setup {
         (force_n / self.weight_n - sin) / cos
     }
 
+    /// The coefficient as an estimate, with the standard deviation of the force, N, if the method
+    /// states one; `None` if it is not finite.
+    #[must_use]
+    pub fn value(&self, force_n: f64, std_n: Option<f64>) -> Option<Value> {
+        let value = self.coefficient(force_n);
+        let std = std_n.map(|std_n| std_n * self.per_newton());
+        value.is_finite().then_some(Value { value, std })
+    }
+
     /// Change of a coefficient per newton.
     #[must_use]
     pub fn per_newton(&self) -> f64 {
@@ -50,14 +59,6 @@ pub struct Value {
     pub value: f64,
     /// Standard deviation, if the method states one.
     pub std: Option<f64>,
-}
-
-impl Value {
-    /// A value without a standard deviation; `None` if it is not finite.
-    #[must_use]
-    pub fn bare(value: f64) -> Option<Self> {
-        value.is_finite().then_some(Self { value, std: None })
-    }
 }
 
 /// An event that a method found.

@@ -2,16 +2,12 @@
 //! row.
 
 use std::io::Write;
-use std::sync::Arc;
 
-use parquet::basic::{LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{BoolType, ByteArrayType, DoubleType, Int32Type};
 use parquet::errors::Result;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::{Type, TypePtr};
+use parquet::file::writer::SerializedFileWriter;
 
 use super::{EventRecord, TestRecord, simulated};
-use crate::columnar;
+use crate::columnar::{self, Column, schema};
 
 /// Schema of the table, in its metadata: `index` has its name in JSON, a missing reason is null.
 pub const SCHEMA: &str = "floe-events/2";
@@ -22,68 +18,63 @@ const GROUP: usize = 20_000;
 /// A row: an event and its test.
 type Row<'a> = (&'a TestRecord, &'a EventRecord);
 
-/// Kind of a column and where its value comes from.
-enum Column {
-    Integer(fn(Row) -> u32),
-    Number(fn(Row) -> f64),
-    Maybe(fn(Row) -> Option<f64>),
-    Truth(fn(Row) -> bool),
-    Text(for<'a> fn(Row<'a>) -> &'a str),
-    MaybeText(for<'a> fn(Row<'a>) -> Option<&'a str>),
-}
+/// A column of the table.
+type EventColumn<'a> = Column<'a, Row<'a>>;
 
 use Column::{Integer, Maybe, MaybeText, Number, Text, Truth};
 
-/// The columns. Names, with their units, are those of a replay's JSON; an interval has its two ends
-/// in separate columns, as in the CSV of events.
-const COLUMNS: [(&str, Column); 46] = [
-    ("campaign", Integer(|(t, _)| t.campaign)),
-    ("test", Integer(|(t, _)| t.test)),
-    ("test_id", Text(|(t, _)| &t.test_id)),
-    ("weight_n", Number(|(t, _)| t.weight_n)),
-    ("winch_m_per_s", Maybe(|(t, _)| t.winch_m_per_s)),
-    ("slope_rad", Number(|(t, _)| t.slope_rad)),
-    ("snow_mm", Maybe(|(t, _)| t.snow_mm)),
-    ("index", Integer(|(_, e)| e.measured.index)),
-    ("onset_s", Number(|(_, e)| e.measured.onset_s)),
-    ("stop_s", Number(|(_, e)| e.measured.stop_s)),
-    ("static_force_n", Number(|(_, e)| e.measured.static_force_n)),
-    ("dynamic_force_n", Number(|(_, e)| e.measured.dynamic_force_n)),
-    ("peak_force_n", Number(|(_, e)| e.measured.peak_force_n)),
-    ("restick_force_n", Number(|(_, e)| e.measured.restick_force_n)),
-    ("mu_s", Maybe(|(_, e)| e.measured.mu_s)),
-    ("mu_s_std", Maybe(|(_, e)| e.measured.mu_s_std)),
-    ("mu", Maybe(|(_, e)| e.measured.mu)),
-    ("mu_std", Maybe(|(_, e)| e.measured.mu_std)),
-    ("stick_s", Maybe(|(_, e)| e.measured.stick_s)),
-    ("slip_s", Number(|(_, e)| e.measured.slip_s)),
-    ("loading_rate_n_per_s", Number(|(_, e)| e.measured.loading_rate_n_per_s)),
-    ("omega_rad_per_s", Maybe(|(_, e)| e.measured.omega_rad_per_s)),
-    ("slack", Truth(|(_, e)| e.measured.slack)),
-    ("quality", Text(|(_, e)| &e.measured.quality)),
-    ("reason", MaybeText(|(_, e)| e.measured.reason.as_deref())),
-    ("true_mu_s", Maybe(|(_, e)| e.true_mu_s)),
-    ("true_mu", Maybe(|(_, e)| e.true_mu)),
-    ("mu_s_systematic_std", Maybe(|(_, e)| e.measured.mu_s_systematic_std)),
-    ("mu_systematic_std", Maybe(|(_, e)| e.measured.mu_systematic_std)),
-    ("mu_s_combined_std", Maybe(|(_, e)| e.measured.mu_s_combined_std)),
-    ("mu_combined_std", Maybe(|(_, e)| e.measured.mu_combined_std)),
-    ("mu_s_ci95_low", Maybe(|(_, e)| e.measured.mu_s_ci95.map(|[low, _]| low))),
-    ("mu_s_ci95_high", Maybe(|(_, e)| e.measured.mu_s_ci95.map(|[_, high]| high))),
-    ("mu_ci95_low", Maybe(|(_, e)| e.measured.mu_ci95.map(|[low, _]| low))),
-    ("mu_ci95_high", Maybe(|(_, e)| e.measured.mu_ci95.map(|[_, high]| high))),
-    ("slip_length_m", Maybe(|(_, e)| e.measured.slip_length_m)),
-    ("energy_j", Maybe(|(_, e)| e.measured.energy_j)),
-    ("onset_time", MaybeText(|(_, e)| e.measured.onset_time.as_deref())),
-    ("kind", MaybeText(|(t, _)| t.kind.as_deref())),
-    ("track", MaybeText(|(t, _)| t.track.as_deref())),
-    ("cable_length_m", Maybe(|(t, _)| t.cable_length_m)),
-    ("start_time", MaybeText(|(t, _)| t.start_time.as_deref())),
-    ("temperature_c", Maybe(|(t, _)| t.temperature_c)),
-    ("supply_v", Maybe(|(t, _)| t.supply_v)),
-    ("slip_length_m_std", Maybe(|(_, e)| e.measured.slip_length_m_std)),
-    ("energy_j_std", Maybe(|(_, e)| e.measured.energy_j_std)),
-];
+impl<'a> EventColumn<'a> {
+    /// The columns. Names, with their units, are those of a replay's JSON; an interval has its two ends
+    /// in separate columns, as in the CSV of events.
+    const ALL: [(&'static str, Self); 46] = [
+        ("campaign", Integer(|(t, _)| integer(t.campaign))),
+        ("test", Integer(|(t, _)| integer(t.test))),
+        ("test_id", Text(|(t, _)| &t.test_id)),
+        ("weight_n", Number(|(t, _)| t.weight_n)),
+        ("winch_m_per_s", Maybe(|(t, _)| t.winch_m_per_s)),
+        ("slope_rad", Number(|(t, _)| t.slope_rad)),
+        ("snow_mm", Maybe(|(t, _)| t.snow_mm)),
+        ("index", Integer(|(_, e)| integer(e.measured.index))),
+        ("onset_s", Number(|(_, e)| e.measured.onset_s)),
+        ("stop_s", Number(|(_, e)| e.measured.stop_s)),
+        ("static_force_n", Number(|(_, e)| e.measured.static_force_n)),
+        ("dynamic_force_n", Number(|(_, e)| e.measured.dynamic_force_n)),
+        ("peak_force_n", Number(|(_, e)| e.measured.peak_force_n)),
+        ("restick_force_n", Number(|(_, e)| e.measured.restick_force_n)),
+        ("mu_s", Maybe(|(_, e)| e.measured.mu_s)),
+        ("mu_s_std", Maybe(|(_, e)| e.measured.mu_s_std)),
+        ("mu", Maybe(|(_, e)| e.measured.mu)),
+        ("mu_std", Maybe(|(_, e)| e.measured.mu_std)),
+        ("stick_s", Maybe(|(_, e)| e.measured.stick_s)),
+        ("slip_s", Number(|(_, e)| e.measured.slip_s)),
+        ("loading_rate_n_per_s", Number(|(_, e)| e.measured.loading_rate_n_per_s)),
+        ("omega_rad_per_s", Maybe(|(_, e)| e.measured.omega_rad_per_s)),
+        ("slack", Truth(|(_, e)| e.measured.slack)),
+        ("quality", Text(|(_, e)| &e.measured.quality)),
+        ("reason", MaybeText(|(_, e)| e.measured.reason.as_deref())),
+        ("true_mu_s", Maybe(|(_, e)| e.true_mu_s)),
+        ("true_mu", Maybe(|(_, e)| e.true_mu)),
+        ("mu_s_systematic_std", Maybe(|(_, e)| e.measured.mu_s_systematic_std)),
+        ("mu_systematic_std", Maybe(|(_, e)| e.measured.mu_systematic_std)),
+        ("mu_s_combined_std", Maybe(|(_, e)| e.measured.mu_s_combined_std)),
+        ("mu_combined_std", Maybe(|(_, e)| e.measured.mu_combined_std)),
+        ("mu_s_ci95_low", Maybe(|(_, e)| e.measured.mu_s_ci95.map(|[low, _]| low))),
+        ("mu_s_ci95_high", Maybe(|(_, e)| e.measured.mu_s_ci95.map(|[_, high]| high))),
+        ("mu_ci95_low", Maybe(|(_, e)| e.measured.mu_ci95.map(|[low, _]| low))),
+        ("mu_ci95_high", Maybe(|(_, e)| e.measured.mu_ci95.map(|[_, high]| high))),
+        ("slip_length_m", Maybe(|(_, e)| e.measured.slip_length_m)),
+        ("energy_j", Maybe(|(_, e)| e.measured.energy_j)),
+        ("onset_time", MaybeText(|(_, e)| e.measured.onset_time.as_deref())),
+        ("kind", MaybeText(|(t, _)| t.kind.as_deref())),
+        ("track", MaybeText(|(t, _)| t.track.as_deref())),
+        ("cable_length_m", Maybe(|(t, _)| t.cable_length_m)),
+        ("start_time", MaybeText(|(t, _)| t.start_time.as_deref())),
+        ("temperature_c", Maybe(|(t, _)| t.temperature_c)),
+        ("supply_v", Maybe(|(t, _)| t.supply_v)),
+        ("slip_length_m_std", Maybe(|(_, e)| e.measured.slip_length_m_std)),
+        ("energy_j_std", Maybe(|(_, e)| e.measured.energy_j_std)),
+    ];
+}
 
 /// Columns whose value is the same in all events of a test.
 const OF_TEST: [&str; 7] = [
@@ -96,32 +87,16 @@ const OF_TEST: [&str; 7] = [
     "supply_v",
 ];
 
+fn integer(value: u32) -> i32 {
+    value.try_into().unwrap_or(i32::MAX)
+}
+
 /// Numeric columns whose value differs between events.
 fn measured() -> impl Iterator<Item = &'static str> {
-    let is_number = |column: &Column| matches!(column, Number(_) | Maybe(_));
-    let own =
-        COLUMNS.iter().filter(move |(name, column)| is_number(column) && !OF_TEST.contains(name));
-    own.map(|(name, _)| *name)
-}
-
-fn schema() -> Result<TypePtr> {
-    let fields: Result<Vec<TypePtr>> =
-        COLUMNS.iter().map(|(name, column)| field(name, column)).collect();
-    Ok(Arc::new(Type::group_type_builder("event").with_fields(fields?).build()?))
-}
-
-fn field(name: &str, column: &Column) -> Result<TypePtr> {
-    let (physical, repetition, logical) = match column {
-        Integer(_) => (Physical::INT32, Repetition::REQUIRED, None),
-        Number(_) => (Physical::DOUBLE, Repetition::REQUIRED, None),
-        Maybe(_) => (Physical::DOUBLE, Repetition::OPTIONAL, None),
-        Truth(_) => (Physical::BOOLEAN, Repetition::REQUIRED, None),
-        Text(_) => (Physical::BYTE_ARRAY, Repetition::REQUIRED, Some(LogicalType::String)),
-        MaybeText(_) => (Physical::BYTE_ARRAY, Repetition::OPTIONAL, Some(LogicalType::String)),
-    };
-    let builder = Type::primitive_type_builder(name, physical);
-    let builder = builder.with_repetition(repetition).with_logical_type(logical);
-    Ok(Arc::new(builder.build()?))
+    let is_number = |column: &EventColumn<'_>| matches!(column, Number(_) | Maybe(_));
+    let own = EventColumn::ALL.into_iter();
+    let own = own.filter(move |(name, column)| is_number(column) && !OF_TEST.contains(name));
+    own.map(|(name, _)| name)
 }
 
 /// Writer of tests and their events. Rows are gathered and written in groups.
@@ -147,7 +122,8 @@ impl<W: Write + Send> EventTable<W> {
     pub fn new(out: W, about: &[(&str, String)]) -> Result<Self> {
         let about = [&[("schema", SCHEMA.to_string())], about].concat();
         let properties = columnar::properties(&about, measured());
-        let writer = SerializedFileWriter::new(out, schema()?, properties)?;
+        let writer =
+            SerializedFileWriter::new(out, schema("event", &EventColumn::ALL)?, properties)?;
         Ok(Self { writer, waiting: Vec::new(), events: 0, tests: 0, synthetic_tests: 0 })
     }
 
@@ -182,43 +158,13 @@ impl<W: Write + Send> EventTable<W> {
             .flat_map(|test| test.events.iter().map(move |e| (test, e)))
             .collect();
         let mut group = self.writer.next_row_group()?;
-        COLUMNS.iter().try_for_each(|(_, column)| write_column(&mut group, column, &rows))?;
+        EventColumn::ALL
+            .iter()
+            .try_for_each(|(_, column)| column.write(&mut group, rows.iter().copied()))?;
         group.close()?;
         self.waiting.clear();
         self.events = 0;
         Ok(())
-    }
-}
-
-fn write_column(
-    group: &mut SerializedRowGroupWriter<'_, impl Write + Send>,
-    column: &Column,
-    rows: &[Row<'_>],
-) -> Result<()> {
-    let rows = rows.iter().copied();
-    match column {
-        Integer(of) => {
-            let values: Vec<i32> = rows.map(|r| of(r).try_into().unwrap_or(i32::MAX)).collect();
-            columnar::write::<Int32Type>(group, &values, None)
-        }
-        Number(of) => {
-            let values: Vec<f64> = rows.map(of).collect();
-            columnar::write::<DoubleType>(group, &values, None)
-        }
-        Maybe(of) => {
-            let (values, levels) = columnar::known(rows.map(of));
-            columnar::write::<DoubleType>(group, &values, Some(&levels))
-        }
-        Truth(of) => {
-            let values: Vec<bool> = rows.map(of).collect();
-            columnar::write::<BoolType>(group, &values, None)
-        }
-        Text(of) => columnar::write::<ByteArrayType>(group, &columnar::texts(rows.map(of)), None),
-        MaybeText(of) => {
-            let (texts, levels) = columnar::known(rows.map(of));
-            let values = columnar::texts(texts.into_iter());
-            columnar::write::<ByteArrayType>(group, &values, Some(&levels))
-        }
     }
 }
 
@@ -286,7 +232,7 @@ mod tests {
     fn the_names_are_those_of_json() {
         let event = programme::evaluate(1, 0, 0).unwrap().events.remove(0).measured;
         let json = serde_json::to_value(event).unwrap();
-        let is_column = |name: &str| COLUMNS.iter().any(|(column, _)| *column == name);
+        let is_column = |name: &str| EventColumn::ALL.iter().any(|(column, _)| *column == name);
         for name in json.as_object().unwrap().keys() {
             let ends = ["low", "high"].map(|end| format!("{name}_{end}"));
             assert!(is_column(name) || ends.iter().all(|end| is_column(end)), "{name}");
@@ -298,6 +244,6 @@ mod tests {
         let reader = SerializedFileReader::new(bytes::Bytes::from(table(&[]))).unwrap();
         assert_eq!(reader.metadata().file_metadata().num_rows(), 0);
         let columns = reader.metadata().file_metadata().schema_descr().num_columns();
-        assert_eq!(columns, COLUMNS.len());
+        assert_eq!(columns, EventColumn::ALL.len());
     }
 }

@@ -84,8 +84,8 @@ fn in_directory(folder: &Path) -> Result<Logs, InputError> {
 fn content(folder: &Path) -> Result<(Vec<PathBuf>, Vec<String>), InputError> {
     let (mut logs, mut notes) = (Vec::new(), Vec::new());
     let (mut folders, mut others) = (0_u64, Vec::new());
-    for entry in fs::read_dir(folder).map_err(|error| InputError::unreadable(&error))? {
-        let path = entry.map_err(|error| InputError::unreadable(&error))?.path();
+    for entry in fs::read_dir(folder).map_err(InputError::unreadable)? {
+        let path = entry.map_err(InputError::unreadable)?.path();
         match path.metadata() {
             Ok(there) if there.is_dir() => folders += 1,
             _ if !has_name_of_log(&path) => others.push(path),
@@ -137,13 +137,13 @@ fn once(entries: &[Entry]) -> Result<(), InputError> {
 }
 
 fn tabled(table: &Path) -> Result<Vec<Entry>, InputError> {
-    let text = short_file::read(table).map_err(|error| InputError::unreadable(&error))?;
+    let text = short_file::read(table).map_err(InputError::unreadable)?;
     let entries = manifest::read(&text, table.parent().unwrap_or(Path::new(".")))?;
     once(&entries).map(|()| entries)
 }
 
 fn listed(path: &Path) -> Result<Logs, InputError> {
-    let list = short_file::read(path).map_err(|error| InputError::unreadable(&error))?;
+    let list = short_file::read(path).map_err(InputError::unreadable)?;
     if manifest::is_manifest(&list) {
         return Ok(Logs { entries: tabled(path)?, notes: Vec::new() });
     }
@@ -201,7 +201,7 @@ pub fn evaluate(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
 
 fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
     let path = &entry.path;
-    let file = File::open(path).map_err(|error| InputError::unopened(&error))?;
+    let file = File::open(path).map_err(InputError::unopened)?;
     let mut log = Log::from_reader(Box::new(file), &entry.log.settled_by(&entry.test))?;
     let config = configure(&log, &entry.test)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -104,7 +104,7 @@ pub fn tests(mut input: impl Read + Seek) -> Result<(Vec<Test>, Found), InputErr
     let end = input.seek(SeekFrom::End(0)).map_err(|error| {
         InputError::new(format!("no file and no card: copy it into a file first ({error})"))
     })?;
-    input.seek(SeekFrom::Start(0)).map_err(|error| InputError::unreadable(&error))?;
+    input.seek(SeekFrom::Start(0)).map_err(InputError::unreadable)?;
     let found = sectors::scan(&mut input.by_ref().take(end), |_, _, _| {})?;
     if found.places.is_empty() {
         return Err(packed(&mut input).unwrap_or_else(|| no_record(&found)));

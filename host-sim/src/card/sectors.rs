@@ -7,6 +7,9 @@ use floe_firmware::record::{MAGIC, Record, RecordError, SECTOR_LEN, Sector};
 use super::stretch::{self, Key};
 use crate::error::InputError;
 
+/// Bytes that are read at once.
+const PIECE: usize = 2048 * SECTOR_LEN;
+
 /// What a scan found.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
@@ -51,11 +54,13 @@ pub fn scan(
     mut keep: impl FnMut(&Place, &Record, &Sector),
 ) -> Result<Found, InputError> {
     let mut found = Found::default();
-    let mut buffer = vec![0; 2048 * SECTOR_LEN];
+    let mut buffer = Vec::with_capacity(PIECE);
     let mut offset = 0;
     loop {
-        let count = fill(input, &mut buffer).map_err(|error| InputError::unreadable(&error))?;
-        let (sectors, rest) = buffer[..count].as_chunks::<SECTOR_LEN>();
+        buffer.clear();
+        let read = input.by_ref().take(PIECE as u64).read_to_end(&mut buffer);
+        let count = read.map_err(InputError::unreadable)?;
+        let (sectors, rest) = buffer.as_chunks::<SECTOR_LEN>();
         for (sector, at) in sectors.iter().zip(0_u64..) {
             if let Some((place, record)) = found.take(sector, offset + at * SECTOR_LEN as u64) {
                 keep(&place, &record, sector);
@@ -64,7 +69,7 @@ pub fn scan(
         }
         found.is_cut_off |= rest.iter().any(|&byte| byte != 0);
         offset += count as u64;
-        if count < buffer.len() {
+        if count < PIECE {
             break;
         }
     }
@@ -78,18 +83,6 @@ pub fn is_log(start: &[u8]) -> bool {
     let is_record =
         |sector: &Sector| matches!(Record::decode(sector), Ok(_) | Err(RecordError::Version(_)));
     start.starts_with(&MAGIC) || start.as_chunks::<SECTOR_LEN>().0.iter().any(is_record)
-}
-
-/// Reads until the buffer is full or the input ends.
-fn fill(input: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
-    let mut count = 0;
-    while count < buffer.len() {
-        match input.read(&mut buffer[count..])? {
-            0 => break,
-            more => count += more,
-        }
-    }
-    Ok(count)
 }
 
 impl Found {

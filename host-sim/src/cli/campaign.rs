@@ -164,9 +164,9 @@ fn tell_counts(summary: &Summary, took: Duration) {
 /// Refuses a name for the table of events that ends with `.csv`.
 fn refuse_other_table(args: &Args) -> Result<(), InputError> {
     let Some(path) = &args.parquet else { return Ok(()) };
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
+    if output::ends_with(path, "csv") {
         let why = "--parquet writes no CSV: name a file that ends with .parquet";
-        return Err(InputError::new(why).within(path.display()));
+        return output::refuse(path, why);
     }
     Ok(())
 }
@@ -206,16 +206,18 @@ fn evaluate_all(
     mut keep: impl FnMut(TestRecord),
 ) -> Result<Vec<InputError>, InputError> {
     let Some(path) = &args.parquet else {
-        return in_order(args, source, |test| {
-            keep(without_events(&test));
+        return in_order(args, source, |mut test| {
+            test.events = Vec::new();
+            keep(test);
             Ok(())
         });
     };
     output::stream(path, |out| {
         let mut table = EventTable::new(out, &about(args)).map_err(columnar::io_error)?;
-        let left_out = in_order(args, source, |test| {
-            keep(without_events(&test));
-            table.push(test).map_err(columnar::io_error)
+        let left_out = in_order(args, source, |mut test| {
+            let events = std::mem::take(&mut test.events);
+            keep(test.clone());
+            table.push(TestRecord { events, ..test }).map_err(columnar::io_error)
         })?;
         table.finish().map_err(columnar::io_error).map(|()| left_out)
     })
@@ -226,20 +228,6 @@ fn about(args: &Args) -> Vec<(&'static str, String)> {
     match &args.logs {
         Some(logs) => vec![("logs", logs.display().to_string())],
         None => vec![("seed", args.seed.to_string())],
-    }
-}
-
-fn without_events(test: &TestRecord) -> TestRecord {
-    TestRecord {
-        events: Vec::new(),
-        test_id: test.test_id.clone(),
-        path: test.path.clone(),
-        kind: test.kind.clone(),
-        track: test.track.clone(),
-        start_time: test.start_time.clone(),
-        warnings: test.warnings.clone(),
-        synthetic: test.synthetic.clone(),
-        ..*test
     }
 }
 

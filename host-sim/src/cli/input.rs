@@ -34,7 +34,7 @@ pub fn open_file(path: &Path, quiet: bool) -> Result<ProgressBarIter<File>, Inpu
     if path.is_dir() {
         return Err(InputError::new("is a directory; name one log file"));
     }
-    let file = File::open(path).map_err(|error| InputError::unopened(&error))?;
+    let file = File::open(path).map_err(InputError::unopened)?;
     let bytes = file.metadata().map_or(0, |metadata| metadata.len());
     let bar = match bytes >= LONG_BYTES && !quiet {
         true => progress::bar(bytes, "{bytes} of {total_bytes}, {eta} left"),

@@ -8,7 +8,7 @@ use crate::error::{InputError, printable_line};
 use crate::log::inspection::{Inspection, inspect};
 use crate::log::{Log, LogOptions};
 use crate::replay::test::TestOptions;
-use crate::rounding::{counted, decimals};
+use crate::rounding::{counted, decimals, significant};
 
 use super::input::{STANDARD, open};
 use super::json::Json;
@@ -102,8 +102,7 @@ fn places(found: &Inspection) -> String {
 }
 
 fn time(found: &Inspection) -> String {
-    let rate = format!("{:.6}", found.rate_hz);
-    let rate = rate.trim_end_matches('0').trim_end_matches('.');
+    let rate = significant(found.rate_hz);
     let Some(unit) = found.time_unit else {
         return format!("none: rows follow each other, {rate} a second");
     };

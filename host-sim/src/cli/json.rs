@@ -10,7 +10,6 @@ use crate::error::InputError;
 
 use super::input::STANDARD;
 use super::output;
-use super::pretty::Pretty;
 
 /// The option.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -77,7 +76,28 @@ impl Json {
 
 /// A result with a line end.
 pub(super) fn write(result: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
-    result.serialize(Pretty::new(out)).map_err(|failure| failure.0)?;
+    serde_json::to_writer_pretty(&mut *out, result)?;
     out.write_all(b"\n")?;
     out.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_went_wrong_is_told_as_it_was() {
+        struct Gone;
+        impl Write for Gone {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                Err(io::ErrorKind::BrokenPipe.into())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        for value in [serde_json::json!(1), serde_json::json!({"a": []})] {
+            assert_eq!(write(&value, &mut Gone).unwrap_err().kind(), io::ErrorKind::BrokenPipe);
+        }
+    }
 }

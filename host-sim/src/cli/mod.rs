@@ -18,7 +18,6 @@ mod inspect;
 mod json;
 mod live;
 pub mod output;
-mod pretty;
 mod progress;
 mod provenance;
 mod recover;

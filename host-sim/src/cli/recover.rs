@@ -34,13 +34,12 @@ pub struct Args {
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
     output::check_folder(&args.output, &[])?;
-    let place = args.input.display();
     if args.input == Path::new(STANDARD) {
         let why = "a card cannot come by standard input: name its FLOE.LOG, or an image of it";
-        return Err(InputError::new(why).within(place));
+        return output::refuse(&args.input, why);
     }
     let read = open_file(&args.input, false).and_then(card::tests);
-    let (tests, found) = read.map_err(|e| e.within(&place))?;
+    let (tests, found) = read.map_err(|e| e.within(args.input.display()))?;
     output::make_folder(&args.output)?;
     let mut files = Vec::new();
     for test in &tests {
@@ -66,8 +65,7 @@ fn name(args: &Args, test: &Test, extension: &str) -> PathBuf {
 fn refuse_existing(path: &Path) -> Result<(), InputError> {
     // A broken link counts as existing.
     if path.symlink_metadata().is_ok() {
-        let message = "is there already; name an empty directory, or remove it";
-        return Err(InputError::new(message).within(path.display()));
+        return output::refuse(path, "is there already; name an empty directory, or remove it");
     }
     Ok(())
 }

@@ -102,20 +102,18 @@ pub fn run(args: &Args) -> Result<(), InputError> {
 
 /// Rejects a file name for the samples whose extension is that of another format.
 fn check_samples(path: &Path) -> Result<(), InputError> {
-    let known =
-        |end: &std::ffi::OsStr| ["csv", "parquet"].iter().any(|e| end.eq_ignore_ascii_case(e));
-    if path.extension().is_none_or(known) {
+    let is_known = ["csv", "parquet"].iter().any(|end| output::ends_with(path, end));
+    if path.extension().is_none() || is_known {
         return Ok(());
     }
-    Err(InputError::new("the name of the samples must end in .csv or .parquet")
-        .within(path.display()))
+    output::refuse(path, "the name of the samples must end in .csv or .parquet")
 }
 
 /// Rejects a file name for the events that is that of a Parquet table.
 fn check_events(path: &Path) -> Result<(), InputError> {
-    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("parquet")) {
+    if output::ends_with(path, "parquet") {
         let why = "--events writes CSV, and floe campaign --parquet a Parquet table of events";
-        return Err(InputError::new(why).within(path.display()));
+        return output::refuse(path, why);
     }
     Ok(())
 }
@@ -174,7 +172,7 @@ fn run_on(
         return run_core(path, &mut log, &config, args, |_, _| {}).map_err(of_log);
     };
     let about = about(path, &log, &config);
-    let is_parquet = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"));
+    let is_parquet = output::ends_with(file, "parquet");
     output::stream(file, |out| {
         let mut table = samples::table(out, is_parquet, &about)?;
         let mut rows = SampleRows::new(config.winch_m_per_s, config.rate_hz);

@@ -79,8 +79,7 @@ fn form(path: &Path) -> Result<Form, InputError> {
         Some("csv") => Ok(Form::Csv),
         Some("dat") => Ok(Form::Cr10),
         Some(_) | None => {
-            let why = "the name of the log must end in .csv, or .dat for a CR10's form";
-            Err(InputError::new(why).within(path.display()))
+            output::refuse(path, "the name of the log must end in .csv, or .dat for a CR10's form")
         }
     }
 }
@@ -91,7 +90,7 @@ fn form(path: &Path) -> Result<Form, InputError> {
 /// The file, line or value that cannot be used.
 pub fn read_scene(path: &Path, duration_s: Option<f64>) -> Result<Scene, InputError> {
     let refused = |error: InputError| error.within(path.display());
-    let text = short_file::read(path).map_err(|e| refused(InputError::unreadable(&e)))?;
+    let text = short_file::read(path).map_err(|e| refused(InputError::unreadable(e)))?;
     let mut scene = Scene::from_toml(&text).map_err(|e| refused(InputError::new(e)))?;
     if let Some(duration_s) = duration_s {
         scene.duration_s = duration_s;

@@ -6,7 +6,7 @@ use floe_core::{Phase, SampleFlag};
 use ratatui::style::Color;
 
 use super::state::State;
-use super::verdict::SILENCE;
+use super::verdict::silence;
 
 /// Time after a weighing's message (sent every second) until weighing counts as ended.
 const WEIGHING: Duration = Duration::from_secs(3);
@@ -19,7 +19,7 @@ pub fn band(state: &State, now: Duration) -> (&'static str, Color) {
     if state.away.is_some() {
         return ("NO PORT", Color::Red);
     }
-    if is_silent(state, now) {
+    if silence(state, now).is_some() {
         return ("SILENT", Color::Red);
     }
     match state.testing {
@@ -38,7 +38,7 @@ pub fn band(state: &State, now: Duration) -> (&'static str, Color) {
 /// Whether the shown values are not current.
 #[must_use]
 pub fn is_stale(state: &State, now: Duration) -> bool {
-    state.away.is_some() || is_silent(state, now)
+    state.away.is_some() || silence(state, now).is_some()
 }
 
 /// Whether the board is weighing.
@@ -46,10 +46,6 @@ pub fn is_stale(state: &State, now: Duration) -> bool {
 pub fn is_weighing(state: &State, now: Duration) -> bool {
     let lately = |at: Duration| now.saturating_sub(at) < WEIGHING;
     state.testing != Some(true) && state.weighed.is_some_and(|(_, at)| lately(at))
-}
-
-fn is_silent(state: &State, now: Duration) -> bool {
-    now.saturating_sub(state.heard) > SILENCE
 }
 
 fn is_faulty(state: &State) -> bool {

@@ -30,7 +30,7 @@ pub struct Verdict {
 }
 
 /// Time without a line after which the board counts as off; it is polled every few seconds.
-pub const SILENCE: Duration = Duration::from_secs(8);
+const SILENCE: Duration = Duration::from_secs(8);
 /// Likely causes of silence.
 pub(super) const SILENT_IF: &str = "off, or another program has it";
 /// Time without a sample in a test that is a fault; samples come 16 times a second.

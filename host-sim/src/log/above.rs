@@ -133,7 +133,7 @@ pub fn are_named(names: &[String]) -> bool {
 /// # Errors
 /// Names that line.
 pub fn refuse_later_names(header: &Header, content: &[Content<'_>]) -> Result<(), InputError> {
-    if header.names.as_ref().is_some_and(|(_, names)| are_named(names)) {
+    if are_named(header.column_names()) {
         return Ok(());
     }
     let are_names = |line: &[u8]| {

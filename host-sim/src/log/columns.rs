@@ -17,7 +17,7 @@ const FORCE_COLUMNS: [&str; 2] = ["force_n", "force_kn"];
 #[derive(Debug)]
 pub struct Columns<'a> {
     pub(super) header: &'a Header,
-    pub(super) names: Vec<String>,
+    pub(super) names: &'a [String],
     pub(super) labels: Vec<Label>,
 }
 
@@ -25,15 +25,9 @@ impl<'a> Columns<'a> {
     /// Parses the names in a header.
     #[must_use]
     pub fn new(header: &'a Header) -> Self {
-        let names = header.names.as_ref().map_or_else(Vec::new, |(_, names)| names.clone());
+        let names = header.column_names();
         let labels = names.iter().map(|name| Label::new(name)).collect();
         Self { header, names, labels }
-    }
-
-    /// The parsed names.
-    #[must_use]
-    pub fn labels(&self) -> &[Label] {
-        &self.labels
     }
 
     /// Name of a column.
@@ -77,7 +71,7 @@ impl<'a> Columns<'a> {
             return Ok(self.header.width - 1);
         }
         for name in FORCE_COLUMNS {
-            if let Some(place) = find(&self.names, name, "--column")? {
+            if let Some(place) = find(self.names, name, "--column")? {
                 return Ok(place);
             }
         }
@@ -90,7 +84,7 @@ impl<'a> Columns<'a> {
             [only] => Ok(*only),
             [] => Err(InputError::new(format!(
                 "no column force_n or force_kn: give --column NAME; {}",
-                there_are(&self.names)
+                there_are(self.names)
             ))),
             several => Err(self.which(several)),
         }
@@ -113,7 +107,7 @@ impl<'a> Columns<'a> {
         let numbers = places.iter().map(|place| format!("--column {}", place + 1));
         let numbers = numbers.collect::<Vec<_>>().join(" or ");
         let by = if twice { numbers } else { "--column NAME".to_string() };
-        InputError::new(format!("which column is the force? give {by}; {}", there_are(&self.names)))
+        InputError::new(format!("which column is the force? give {by}; {}", there_are(self.names)))
     }
 
     /// The unit of the force, and a note if it is assumed. `said`: the unit in a comment.
@@ -126,12 +120,12 @@ impl<'a> Columns<'a> {
         options: &LogOptions,
         said: Option<&Said>,
     ) -> Result<(Unit, Vec<String>), InputError> {
-        let name = self.header.name(column);
+        let name = self.name(column);
         let in_rows = self.unit_in_rows(column)?;
         let stated = || self.stated(column).chain(in_rows);
         let units: Vec<Unit> = stated().filter_map(Unit::from_label).collect();
         let unknown = stated().find(|unit| Unit::from_label(unit).is_none());
-        agreed(name, &units, options.unit).map(|unit| match (unit, unknown) {
+        agreed(name, &units, options.unit, Unit::name, "--unit").map(|unit| match (unit, unknown) {
             (Some(unit), Some(label)) if options.unit.is_none() && is_foreign(label) => {
                 Err(InputError::new(format!(
                     "column '{name}' is in {} and in {label}: correct the log, or give --unit",
@@ -151,7 +145,7 @@ impl<'a> Columns<'a> {
     /// of the log has that mark elsewhere.
     fn refuse_thousands(&self, column: usize, numbers: &[&str]) -> Result<(), InputError> {
         let marked = |cell: &&str| cell.contains(['.', ',']);
-        let cells = || self.header.cells(column).filter(|cell| finite(cell.as_bytes()).is_some());
+        let cells = || self.cells(column).filter(|cell| finite(cell.as_bytes()).is_some());
         let is_short = |cell: &str| cell.trim_start_matches('-').len() < 4;
         let mut others = cells().filter(|cell| !marked(cell)).peekable();
         let mut grouped = cells().filter(marked).peekable();
@@ -182,7 +176,7 @@ impl<'a> Columns<'a> {
         let numbers: Vec<&str> = [Some(force), time]
             .into_iter()
             .flatten()
-            .flat_map(|column| self.header.cells(column))
+            .flat_map(|column| self.cells(column))
             .filter(|cell| number(cell.as_bytes(), Decimal::Any).is_some())
             .collect();
         for column in [Some(force), time].into_iter().flatten() {

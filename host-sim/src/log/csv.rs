@@ -1,14 +1,12 @@
 //! Text tables: columns of time and force, and their units.
 
-use crate::error::{InputError, excerpt};
+use crate::error::{InputError, beginning, excerpt};
 
 use super::LogOptions;
 use super::columns::Columns;
 use super::header::Header;
 use super::layout::{Layout, TimeCells};
 use super::metadata::Metadata;
-use super::number::Unit;
-use super::stamp::TimeUnit;
 
 /// A layout, and the assumptions made to find it.
 pub type Found = (Layout, Vec<String>);
@@ -72,31 +70,11 @@ pub fn layout(
     Ok((layout, notes))
 }
 
-/// The unit of force from those that a column states and the given one.
+/// The unit from those that a column states and the given one, of which `option` is the name.
 ///
 /// # Errors
 /// The units contradict each other.
-pub fn agreed(
-    name: &str,
-    stated: &[Unit],
-    given: Option<Unit>,
-) -> Result<Option<Unit>, InputError> {
-    one_of(name, stated, given, Unit::name, "--unit")
-}
-
-/// The unit of time from those that a column states and the given one.
-///
-/// # Errors
-/// The units contradict each other.
-pub fn agreed_time(
-    name: &str,
-    stated: &[TimeUnit],
-    given: Option<TimeUnit>,
-) -> Result<Option<TimeUnit>, InputError> {
-    one_of(name, stated, given, TimeUnit::name, "--time-unit")
-}
-
-fn one_of<T: Copy + PartialEq>(
+pub fn agreed<T: Copy + PartialEq>(
     name: &str,
     stated: &[T],
     given: Option<T>,
@@ -146,26 +124,24 @@ pub fn find(names: &[String], name: &str, option: &str) -> Result<Option<usize>,
     }
 }
 
-/// Index of a column by its name, or by its number from 1.
-///
-/// # Errors
-/// No column or several columns have the name.
-pub fn column(
-    names: &[String],
-    width: usize,
-    wanted: &str,
-    option: &str,
-) -> Result<usize, InputError> {
-    if let Some(place) = find(names, wanted, option)? {
-        return Ok(place);
-    }
-    match wanted.parse::<usize>() {
-        Ok(number) if (1..=width).contains(&number) => Ok(number - 1),
-        _ if names.is_empty() => Err(InputError::new(format!(
-            "no column {}: without a header a column is a number from 1 to {width}",
-            excerpt(wanted.as_bytes())
-        ))),
-        _ => Err(InputError::new(format!("no column '{wanted}'; {}", there_are(names)))),
+impl Header {
+    /// Index of a column by its name, or by its number from 1.
+    ///
+    /// # Errors
+    /// No column or several columns have the name.
+    pub fn column(&self, wanted: &str, option: &str) -> Result<usize, InputError> {
+        let (names, width) = (self.column_names(), self.width);
+        if let Some(place) = find(names, wanted, option)? {
+            return Ok(place);
+        }
+        match wanted.parse::<usize>() {
+            Ok(number) if (1..=width).contains(&number) => Ok(number - 1),
+            _ if names.is_empty() => Err(InputError::new(format!(
+                "no column {}: without a header a column is a number from 1 to {width}",
+                excerpt(wanted.as_bytes())
+            ))),
+            _ => Err(InputError::new(format!("no column '{wanted}'; {}", there_are(names)))),
+        }
     }
 }
 
@@ -174,11 +150,7 @@ pub fn column(
 pub fn there_are(names: &[String]) -> String {
     const MOST: usize = 60;
     let more = if names.len() > MOST { ", ..." } else { "" };
-    let shown: Vec<String> = names
-        .iter()
-        .take(MOST)
-        .map(|n| n.chars().take(40).flat_map(char::escape_debug).collect())
-        .collect();
+    let shown: Vec<String> = names.iter().take(MOST).map(|name| beginning(name)).collect();
     format!("there are: {}{more}", shown.join(", "))
 }
 
@@ -186,6 +158,8 @@ pub fn there_are(names: &[String]) -> String {
 mod tests {
     use super::super::header;
     use super::*;
+    use crate::log::number::Unit;
+    use crate::log::stamp::TimeUnit;
 
     fn places(text: &str, column: Option<&str>) -> Result<(usize, usize, Unit), String> {
         let options = LogOptions { column: column.map(str::to_string), ..LogOptions::default() };

@@ -324,18 +324,13 @@ impl Header {
     /// Name of a column; empty if there is none.
     #[must_use]
     pub fn name(&self, column: usize) -> &str {
-        let names = self.names.as_ref().and_then(|(_, names)| names.get(column));
-        names.map_or("", String::as_str)
+        self.column_names().get(column).map_or("", String::as_str)
     }
 
-    /// Index of a column by its name, or by its number from 1.
-    ///
-    /// # Errors
-    /// No column or several columns have the name.
-    pub fn column(&self, wanted: &str, option: &str) -> Result<usize, InputError> {
-        let empty = Vec::new();
-        let names = self.names.as_ref().map_or(&empty, |(_, names)| names);
-        super::csv::column(names, self.width, wanted, option)
+    /// Names of the columns; empty without a header.
+    #[must_use]
+    pub fn column_names(&self) -> &[String] {
+        self.names.as_ref().map_or(&[], |(_, names)| names)
     }
 
     /// The cells of a column in the first rows.

@@ -71,12 +71,6 @@ impl Held {
         (self.last, self.length) = (Some(reading), 1);
     }
 
-    /// Samples between changes of the force if nearly all runs are equally long; with a coarse
-    /// converter the runs become shorter the faster the force changes.
-    fn samples(&self) -> Option<usize> {
-        self.equal.usual()
-    }
-
     /// Warnings about held readings.
     pub fn warnings(&self, rate_hz: f64) -> impl Iterator<Item = String> {
         let left_out = (self.left_out > 0).then(|| {
@@ -87,7 +81,8 @@ impl Held {
                 significant(rate_hz)
             )
         });
-        let held = self.samples().map(|samples| {
+        // With a coarse converter the runs become shorter the faster the force changes.
+        let held = self.equal.usual().map(|samples| {
             format!(
                 "the force stays the same over {samples} samples each time: what gives it is slower \
                  than the log, and the coefficients are doubtful; give the log thinned to {:.3} Hz",
@@ -117,7 +112,7 @@ mod tests {
             held.push(index, reading);
             held.push(index, reading);
         });
-        held.samples()
+        held.equal.usual()
     }
 
     #[test]

@@ -108,9 +108,7 @@ pub fn inspect(path: &str, log: &mut Log) -> Result<Inspection, InputError> {
         header_line: in_text.and_then(|header| header.names.as_ref()).map(|(line, _)| *line),
         units_line: in_text.and_then(|header| header.units.as_ref()).map(|(line, _)| *line),
         first_row_line: in_text.map(|header| header.first_row),
-        columns: header
-            .and_then(|header| header.names.clone())
-            .map_or_else(Vec::new, |(_, names)| names),
+        columns: header.map_or_else(Vec::new, |header| header.column_names().to_vec()),
         time_columns,
         time_unit,
         start: log.start().and_then(|start| start.after(0.0)),

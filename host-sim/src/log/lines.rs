@@ -50,12 +50,12 @@ impl Lines {
         Self { input, buffer, start: 0, end: 0, exhausted: false, number: 0, line_end: b'\n' }
     }
 
-    /// The first [`MAX_LINE`] bytes of the stream, or all, without a UTF-8 mark. Does not consume
-    /// them. Call it first.
+    /// The first [`MAX_LINE`] bytes of the stream, or all, without a UTF-8 mark, and the end of a
+    /// line: LF, or CR if they contain no LF. Does not consume them. Call it first.
     ///
     /// # Errors
     /// The stream cannot be read.
-    pub fn head(&mut self) -> Result<&[u8], InputError> {
+    pub fn head(&mut self) -> Result<(&[u8], u8), InputError> {
         while self.end < MAX_LINE + UTF8_MARK.len() && self.refill()? {}
         if self.number == 0 && self.unread().starts_with(UTF8_MARK) {
             self.start += UTF8_MARK.len();
@@ -64,13 +64,7 @@ impl Lines {
         if self.number == 0 && !head.contains(&b'\n') && head.contains(&b'\r') {
             self.line_end = b'\r';
         }
-        Ok(self.ahead())
-    }
-
-    /// End of a line: LF, or CR if the head contains no LF.
-    #[must_use]
-    pub fn line_end(&self) -> u8 {
-        self.line_end
+        Ok((self.ahead(), self.line_end))
     }
 
     /// The next line; `None` at the end.
@@ -137,7 +131,7 @@ impl Lines {
             match self.input.read(self.buffer.get_mut(self.end..).unwrap_or_default()) {
                 Ok(count) => break count,
                 Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(InputError::unreadable(&error)),
+                Err(error) => return Err(InputError::unreadable(error)),
             }
         };
         self.exhausted = count == 0;

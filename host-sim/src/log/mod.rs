@@ -163,9 +163,7 @@ impl Log {
             return Err(no_floe());
         }
         let mut lines = Lines::new(input);
-        lines.head()?;
-        let end = lines.line_end();
-        let head = lines.head()?;
+        let (head, end) = lines.head()?;
         refuse_binary(below(head, end, options.skip_lines))?;
         let format = options.format.unwrap_or_else(|| recognise(head, end));
         options.check(format)?;

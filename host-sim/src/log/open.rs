@@ -28,7 +28,7 @@ pub fn peek(
 ) -> Result<(Box<dyn Read + Send>, Vec<u8>), InputError> {
     let mut start = Vec::new();
     let read = input.by_ref().take(START_LEN as u64).read_to_end(&mut start);
-    read.map_err(|error| InputError::unreadable(&error))?;
+    read.map_err(InputError::unreadable)?;
     Ok((Box::new(Cursor::new(start.clone()).chain(input)), start))
 }
 
@@ -195,8 +195,8 @@ pub fn begin(
         Format::Csv | Format::Floe => table(&mut lines, &mut metadata, options)?,
         Format::Toa5 => toa5_layout(&mut lines, &mut metadata, options)?,
         Format::Cr10 => {
-            let end = lines.line_end();
-            let (layout, notes) = cr10::layout(lines.head()?, end, options)?;
+            let (head, end) = lines.head()?;
+            let (layout, notes) = cr10::layout(head, end, options)?;
             (layout, Recognised { header: None, notes })
         }
     };
@@ -209,9 +209,8 @@ fn table(
     metadata: &mut Metadata,
     options: &LogOptions,
 ) -> Result<(Layout, Recognised), InputError> {
-    lines.head()?;
-    let end = lines.line_end();
-    let header = header::find(lines.head()?, end, options.skip_lines, options.delimiter)?;
+    let (head, end) = lines.head()?;
+    let header = header::find(head, end, options.skip_lines, options.delimiter)?;
     for _ in 1..header.first_row {
         let Some(line) = lines.next_line()? else { break };
         let number = line.number;

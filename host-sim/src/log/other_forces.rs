@@ -7,7 +7,7 @@ use super::label::Label;
 use super::number::{Decimal, Unit, number};
 
 /// Largest relative error of a conversion written with few digits.
-pub(super) const ROUGH: f64 = 1e-3;
+const ROUGH: f64 = 1e-3;
 
 impl Columns<'_> {
     /// Notes on other columns of force: the same one in another unit, as far as the first rows
@@ -21,7 +21,7 @@ impl Columns<'_> {
         unit: Unit,
         decimal: Decimal,
     ) -> Result<Vec<String>, InputError> {
-        let labels = self.labels();
+        let labels = &self.labels;
         let Some(own) = labels.get(force) else { return Ok(Vec::new()) };
         let is_other = |(place, label): &(usize, &Label)| {
             let unit = self.stated_force(*place);
@@ -56,7 +56,7 @@ impl Columns<'_> {
         force: usize,
         time: Option<usize>,
     ) -> Result<Option<String>, InputError> {
-        let Some(label) = self.labels().get(force) else { return Ok(None) };
+        let Some(label) = self.labels.get(force) else { return Ok(None) };
         let name = self.name(force);
         if label.holds_factor() {
             return Err(InputError::new(format!(
@@ -65,7 +65,7 @@ impl Columns<'_> {
             )));
         }
         let is_other = |at: usize| at != force && Some(at) != time && self.is_bare(at);
-        let by_unit = !label.holds_force() && (0..self.labels().len()).any(is_other);
+        let by_unit = !label.holds_force() && (0..self.labels.len()).any(is_other);
         Ok((by_unit || label.says_more_than_force()).then(|| {
             format!("'{name}' is the only column of force, and is read: --column takes another")
         }))
@@ -85,15 +85,14 @@ impl Columns<'_> {
             let (Some(a), Some(b)) = (force(a, unit, decimal), force(b, its_unit, decimal)) else {
                 continue;
             };
-            let size = a.newtons.abs().max(b.newtons.abs());
-            if (a.newtons - b.newtons).abs() > a.step_n + b.step_n + ROUGH * size {
+            if a.contradicts(&b) {
                 return Err(InputError::new(format!(
                     "'{}' and '{}' say {} N and {} N in row {count}: give --column NAME of the one \
                      that is right",
                     self.name(first),
                     self.name(second),
-                    shown(a.newtons),
-                    shown(b.newtons)
+                    shown(a.value),
+                    shown(b.value)
                 )));
             }
         }
@@ -101,16 +100,24 @@ impl Columns<'_> {
     }
 }
 
-/// A force and the step of its last digit, N.
-struct Force {
-    newtons: f64,
-    step_n: f64,
+/// A force, N, or a time, s, as it is written: with the step of its last digit.
+pub(super) struct Written {
+    pub(super) value: f64,
+    pub(super) step: f64,
 }
 
-fn force(cell: &str, unit: Unit, decimal: Decimal) -> Option<Force> {
+impl Written {
+    /// Whether two numbers differ by more than their digits and a rough conversion.
+    pub(super) fn contradicts(&self, other: &Self) -> bool {
+        let size = self.value.abs().max(other.value.abs());
+        (self.value - other.value).abs() > self.step + other.step + ROUGH * size
+    }
+}
+
+fn force(cell: &str, unit: Unit, decimal: Decimal) -> Option<Written> {
     let value = number(cell.as_bytes(), decimal).filter(|value| value.is_finite())?;
     let scale = unit.newtons()?;
-    Some(Force { newtons: value * scale, step_n: last_digit(cell) * scale })
+    Some(Written { value: value * scale, step: last_digit(cell) * scale })
 }
 
 /// The step of a number's last digit.

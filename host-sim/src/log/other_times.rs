@@ -4,7 +4,7 @@ use crate::error::InputError;
 
 use super::columns::Columns;
 use super::number::Decimal;
-use super::other_forces::{ROUGH, last_digit, shown};
+use super::other_forces::{Written, last_digit, shown};
 use super::stamp::TimeUnit;
 
 /// A column and its unit.
@@ -16,7 +16,7 @@ impl Columns<'_> {
     /// # Errors
     /// Names both columns.
     pub fn refuse_other_times(&self, time: usize, decimal: Decimal) -> Result<(), InputError> {
-        let labels = self.labels();
+        let labels = &self.labels;
         let unit = |place| self.stated(place).find_map(TimeUnit::from_label);
         let (Some(own), Some(own_unit)) = (labels.get(time), unit(time)) else { return Ok(()) };
         let is_other = |place: &usize| {
@@ -40,17 +40,17 @@ impl Columns<'_> {
             else {
                 continue;
             };
-            let (a_began_s, b_began_s) = *begin.get_or_insert((a.seconds, b.seconds));
-            let (one_s, other_s) = (a.seconds - a_began_s, b.seconds - b_began_s);
-            let size_s = one_s.abs().max(other_s.abs());
-            if (one_s - other_s).abs() > a.step_s + b.step_s + ROUGH * size_s {
+            let (a_began_s, b_began_s) = *begin.get_or_insert((a.value, b.value));
+            let one = Written { value: a.value - a_began_s, ..a };
+            let other = Written { value: b.value - b_began_s, ..b };
+            if one.contradicts(&other) {
                 return Err(InputError::new(format!(
                     "'{}' and '{}' say {} s and {} s from the first row to row {row}: give \
                      --time-column NAME of the one that is right",
                     self.name(first.0),
                     self.name(second.0),
-                    shown(one_s),
-                    shown(other_s)
+                    shown(one.value),
+                    shown(other.value)
                 )));
             }
         }
@@ -58,14 +58,8 @@ impl Columns<'_> {
     }
 }
 
-/// A time and the step of its last digit, s.
-struct Moment {
-    seconds: f64,
-    step_s: f64,
-}
-
-fn moment(cell: &str, unit: TimeUnit, decimal: Decimal) -> Option<Moment> {
-    let seconds = unit.seconds(cell.as_bytes(), decimal)?;
-    let step_s = last_digit(cell) * unit.seconds(b"1", Decimal::Point)?;
-    Some(Moment { seconds, step_s })
+fn moment(cell: &str, unit: TimeUnit, decimal: Decimal) -> Option<Written> {
+    let value = unit.seconds(cell.as_bytes(), decimal)?;
+    let step = last_digit(cell) * unit.seconds(b"1", Decimal::Point)?;
+    Some(Written { value, step })
 }

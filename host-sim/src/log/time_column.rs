@@ -1,11 +1,11 @@
 //! Finds the time column of a text table and its form.
 
-use crate::error::InputError;
+use crate::error::{InputError, beginning};
 use crate::rounding::counted;
 
 use super::LogOptions;
 use super::columns::Columns;
-use super::csv::{agreed_time, find, there_are};
+use super::csv::{agreed, find, there_are};
 use super::header::{IN_A_ROW, Kind, kind};
 use super::label::Label;
 use super::layout::TimeCells;
@@ -32,7 +32,7 @@ impl Columns<'_> {
             return self.time_without_header(options);
         }
         for name in TIME_COLUMNS {
-            let found = find(&self.names, name, "--time-column")?;
+            let found = find(self.names, name, "--time-column")?;
             if let Some(place) = found.filter(|&place| !self.is_empty(place)) {
                 let other = (name == "t").then(|| self.rather_than_t(place)).flatten();
                 return Ok(other.or(Some(place)));
@@ -46,7 +46,7 @@ impl Columns<'_> {
         let Some(place) = (0..self.names.len()).find(is_named) else {
             return Ok(self.of_dates().or_else(|| self.only_in_time_units()));
         };
-        find(&self.names, &self.names[place], "--time-column").map(|_| Some(place))
+        find(self.names, &self.names[place], "--time-column").map(|_| Some(place))
     }
 
     /// Whether a column is empty in the first rows, as LabVIEW leaves that of times.
@@ -97,7 +97,7 @@ impl Columns<'_> {
     /// The only column of dates with times of day, under any name: it is the time.
     fn of_dates(&self) -> Option<usize> {
         let is_dated = |&place: &usize| {
-            let mut cells = self.header.cells(place).filter(|cell| !cell.is_empty()).peekable();
+            let mut cells = self.cells(place).filter(|cell| !cell.is_empty()).peekable();
             cells.peek().is_some() && cells.all(|cell| date_time_seconds(cell.as_bytes()).is_some())
         };
         let mut dated = (0..self.names.len()).filter(is_dated);
@@ -149,7 +149,7 @@ impl Columns<'_> {
         options: &LogOptions,
         decimal: Decimal,
     ) -> Result<TimeCells, InputError> {
-        let cell = self.header.cells(column).find(|cell| !cell.is_empty()).unwrap_or_default();
+        let cell = self.cells(column).find(|cell| !cell.is_empty()).unwrap_or_default();
         let is_dated = date_time_seconds(cell.as_bytes()).is_some();
         let is_text = is_dated || cell.contains(':') && clock_seconds(cell).is_some();
         if let Some(given) = options.time_unit.filter(|unit| is_text && *unit != TimeUnit::Iso) {
@@ -163,39 +163,41 @@ impl Columns<'_> {
             return Ok(TimeCells::Number { cell: column, unit: TimeUnit::Iso });
         }
         if let Some(clock) = self.clock(column, cell) {
-            return clock;
+            return Ok(clock);
         }
-        let name = self.header.name(column);
+        let name = self.name(column);
         let stated: Vec<&str> = self.stated(column).collect();
         let units: Vec<TimeUnit> =
             stated.iter().filter_map(|unit| TimeUnit::from_label(unit)).collect();
         let unit = match (options.time_unit, units.as_slice()) {
             (Some(given), _) if given.is_calendar() => given,
-            (given, units) => match (agreed_time(name, units, given)?, stated.first()) {
-                (Some(unit), _) => self.since_1970(column, unit, decimal).unwrap_or(unit),
-                (None, Some(label)) => {
-                    return Err(InputError::new(format!(
-                        "the unit of column '{name}' is '{label}', which is not read: turn it into \
+            (given, units) => {
+                match (agreed(name, units, given, TimeUnit::name, "--time-unit")?, stated.first()) {
+                    (Some(unit), _) => self.since_1970(column, unit, decimal).unwrap_or(unit),
+                    (None, Some(label)) => {
+                        return Err(InputError::new(format!(
+                            "the unit of column '{name}' is '{label}', which is not read: turn it into \
                          seconds, or give --time-unit s|ms|us|ns|min|iso|epoch|excel if it is one of these"
-                    )));
+                        )));
+                    }
+                    (None, None) => self.unit_by_size(column, decimal)?,
                 }
-                (None, None) => self.unit_by_size(column, decimal)?,
-            },
+            }
         };
         Ok(TimeCells::Number { cell: column, unit })
     }
 
     /// Whether a column with a unit of time counts from 1970.
     fn since_1970(&self, column: usize, unit: TimeUnit, decimal: Decimal) -> Option<TimeUnit> {
-        let first = self.header.cells(column).next()?;
+        let first = self.cells(column).next()?;
         let counts = unit != TimeUnit::Minute
             && unit.seconds(first.as_bytes(), decimal).is_some_and(is_since_1970);
         counts.then_some(TimeUnit::Epoch)
     }
 
     /// A time of day without a date, or with the date in another column.
-    fn clock(&self, column: usize, cell: &str) -> Option<Result<TimeCells, InputError>> {
-        let first = |place: usize| self.header.cells(place).next().unwrap_or_default();
+    fn clock(&self, column: usize, cell: &str) -> Option<TimeCells> {
+        let first = |place: usize| self.cells(place).next().unwrap_or_default();
         let is_date = |place: &usize| date_seconds(first(*place)).is_some();
         let is_clock = |place: &usize| {
             *place != column
@@ -204,12 +206,11 @@ impl Columns<'_> {
         };
         let mut others = 0..self.header.width;
         if date_seconds(cell).is_some() {
-            return others
-                .find(is_clock)
-                .map(|clock| Ok(TimeCells::DateAndClock { date: Some(column), clock }));
+            let clock = others.find(is_clock)?;
+            return Some(TimeCells::DateAndClock { date: Some(column), clock });
         }
         let clock = cell.contains(':') && clock_seconds(cell).is_some();
-        clock.then(|| Ok(TimeCells::DateAndClock { date: others.find(is_date), clock: column }))
+        clock.then(|| TimeCells::DateAndClock { date: others.find(is_date), clock: column })
     }
 
     /// Seconds, unless the numbers can only be dates: counted since 1970, or days with steps far
@@ -331,12 +332,12 @@ impl Columns<'_> {
         };
         let mut others = (0..self.names.len()).filter(may_be_time);
         let Some(other) = others.next().and_then(|place| self.names.get(place)) else {
-            return InputError::new(format!("{known} {rate}; {}", there_are(&self.names)));
+            return InputError::new(format!("{known} {rate}; {}", there_are(self.names)));
         };
-        let such: String = other.chars().take(40).flat_map(char::escape_debug).collect();
+        let such = beginning(other);
         InputError::new(format!(
             "{known} --time-column NAME, such as '{such}', or {rate}; {}",
-            there_are(&self.names)
+            there_are(self.names)
         ))
     }
 }

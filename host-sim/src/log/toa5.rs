@@ -5,7 +5,7 @@ use crate::error::InputError;
 use super::LogOptions;
 use super::cells::texts;
 use super::columns::Columns;
-use super::csv::{Found, column, find, there_are};
+use super::csv::{Found, find, there_are};
 use super::header::Header;
 use super::layout::{Layout, TimeCells};
 use super::metadata::Said;
@@ -39,15 +39,15 @@ pub fn layout(
         let message = format!("{names} names, but {units} units in the row below");
         return Err(InputError::new(message));
     }
-    let time_column = options.time_column.as_deref().unwrap_or("TIMESTAMP");
-    let time = column(&names, names.len(), time_column, "--time-column")?;
-    let force = match &options.column {
-        Some(wanted) => column(&names, names.len(), wanted, "--column")?,
-        None => default_force(&names, &units)?,
-    };
-    let record = find(&names, "RECORD", "--column")?;
-    let header = header(names, units);
+    let header = header(names, units.clone());
     let columns = Columns::new(&header);
+    let time_column = options.time_column.as_deref().unwrap_or("TIMESTAMP");
+    let time = header.column(time_column, "--time-column")?;
+    let force = match &options.column {
+        Some(wanted) => header.column(wanted, "--column")?,
+        None => default_force(columns.names, &units)?,
+    };
+    let record = find(columns.names, "RECORD", "--column")?;
     let (unit, mut notes) = columns.force_unit(force, options, said)?;
     if options.column.is_none() {
         notes.extend(columns.other_forces(force, unit, Decimal::Point)?);

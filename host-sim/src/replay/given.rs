@@ -31,16 +31,39 @@ struct Used {
     same: f64,
 }
 
-/// A weight in newtons.
-const WEIGHT: Used = Used {
-    key: "weight_n",
-    said: None,
-    what: "weight",
-    used: None,
-    unit: " N",
-    decimals: Some(1),
-    same: SAME,
-};
+impl Used {
+    /// A number that is printed with all its digits, and that any difference but rounding changes.
+    fn new(
+        (key, what, unit): (&'static str, &'static str, &'static str),
+        said: Option<f64>,
+        used: Option<f32>,
+    ) -> Self {
+        Self { key, said, what, used, unit, decimals: None, same: EQUAL }
+    }
+
+    fn sentence(&self, log: &Log) -> Option<String> {
+        let (said, used) = self.said.zip(self.used)?;
+        let given = f64::from(used);
+        if (given - said).abs() <= self.same * said.abs().max(given.abs()) {
+            return None;
+        }
+        let number = match self.decimals {
+            Some(decimals) => format!("{used:.decimals$}"),
+            None => used.to_string(),
+        };
+        let Self { what, unit, key, .. } = self;
+        as_given(log, key, &format!("{what} {number}{unit}"))
+    }
+}
+
+/// A weight or another force in newtons.
+fn weighed(
+    (key, what): (&'static str, &'static str),
+    said: Option<f64>,
+    used: Option<f32>,
+) -> Used {
+    Used { decimals: Some(1), same: SAME, ..Used::new((key, what, " N"), said, used) }
+}
 
 /// One sentence for each number of the log that another one replaces.
 #[must_use]
@@ -63,97 +86,51 @@ fn without_winch(log: &Log, config: &Config, known: &KnownOptions) -> Option<Str
 #[must_use]
 pub fn calibration(log: &Log, calibration: &Calibration) -> Vec<String> {
     let said = log.metadata();
-    let tare = Used {
-        key: "tare_counts",
-        said: said.tare_counts.map(f64::round),
-        what: "tare",
-        used: Some(calibration.tare_counts as f32),
-        unit: " counts",
-        decimals: Some(0),
-        same: EQUAL,
-    };
-    let span = Used {
-        key: "counts_per_n",
-        said: said.counts_per_n,
-        what: "span",
-        used: Some(calibration.counts_per_n),
-        unit: " counts/N",
-        decimals: None,
-        same: EQUAL,
-    };
+    let tare = said.tare_counts.map(f64::round);
+    let in_use = Some(calibration.tare_counts as f32);
+    let tare = Used::new(("tare_counts", "tare", " counts"), tare, in_use);
+    let tare = Used { decimals: Some(0), ..tare };
+    let in_use = Some(calibration.counts_per_n);
+    let span = Used::new(("counts_per_n", "span", " counts/N"), said.counts_per_n, in_use);
     let both = [tare, span].into_iter().filter(|_| log.unit() == Unit::Counts);
     both.filter_map(|it| it.sentence(log)).collect()
 }
 
 /// The force that presses the block onto the ice, and its mass or weight.
 fn block(log: &Log, config: &Config) -> Vec<Used> {
-    let said = log.metadata();
-    let used = Some(config.weight_n);
-    let normal =
-        Used { key: "normal_n", said: said.normal_n, what: "normal force", used, ..WEIGHT };
+    let (said, used) = (log.metadata(), Some(config.weight_n));
+    let normal = weighed(("normal_n", "normal force"), said.normal_n, used);
     if config.mass_kg.is_some() {
         // Under the ice the weight is not the normal force.
-        let mass = Used { what: "mass", used: config.mass_kg, unit: " kg", ..of_mass(1.0, log) };
-        return vec![normal, mass];
+        let mass = weighed(("mass_kg", "mass"), said.mass_kg, config.mass_kg);
+        return vec![normal, Used { unit: " kg", ..mass }];
     }
     vec![if said.normal_n.is_some() {
         normal
     } else if said.weight_n.is_some() {
-        Used { said: said.weight_n, used, ..WEIGHT }
+        weighed(("weight_n", "weight"), said.weight_n, used)
     } else {
-        Used { used, ..of_mass(STANDARD_GRAVITY, log) }
+        let of_mass_n = said.mass_kg.map(|mass| mass * STANDARD_GRAVITY);
+        weighed(("mass_kg", "weight"), of_mass_n, used)
     }]
-}
-
-/// The mass in the log, times `factor`.
-fn of_mass(factor: f64, log: &Log) -> Used {
-    Used { key: "mass_kg", said: log.metadata().mass_kg.map(|mass| mass * factor), ..WEIGHT }
 }
 
 /// Slope, winch speed and range.
 fn pull(log: &Log, config: &Config) -> [Used; 3] {
     let said = log.metadata();
-    let slope = Used {
-        key: "slope_deg",
-        said: said.slope_deg,
-        what: "slope",
-        used: Some(config.slope_rad.to_degrees()),
-        unit: "°",
-        decimals: Some(2),
-        same: EQUAL,
-    };
-    let winch = Used {
-        key: "winch_m_per_s",
-        said: said.winch_m_per_s,
-        what: "winch at",
-        used: config.winch_m_per_s,
-        unit: " m/s",
-        decimals: None,
-        same: SAME,
-    };
-    let range = Used {
-        key: "range_n",
-        said: said.range_n,
-        what: "range",
-        used: config.range_n,
-        decimals: None,
-        same: EQUAL,
-        ..WEIGHT
-    };
-    [slope, winch, range]
+    let slope_deg = Some(config.slope_rad.to_degrees());
+    let slope = Used::new(("slope_deg", "slope", "°"), said.slope_deg, slope_deg);
+    let winch = ("winch_m_per_s", "winch at", " m/s");
+    let winch = Used::new(winch, said.winch_m_per_s, config.winch_m_per_s);
+    let range = Used::new(("range_n", "range", " N"), said.range_n, config.range_n);
+    [Used { decimals: Some(2), ..slope }, Used { same: SAME, ..winch }, range]
 }
 
 /// Uncertainties and zeros that the caller gives; the unit is part of the key.
 fn how_well(log: &Log, known: &KnownOptions) -> impl Iterator<Item = Used> {
-    known.inputs(&log.metadata().known).into_iter().map(|Input { key, given, said }| Used {
-        key,
-        said,
-        what: key,
-        used: given.map(|given| given as f32),
-        unit: "",
-        decimals: None,
-        same: EQUAL,
-    })
+    let used =
+        |Input { key, given, said }| Used::new((key, key, ""), said, given.map(|it| it as f32));
+    known.inputs(&log.metadata().known).into_iter().map(used)
 }
 
 /// The source of the weight, where the caller and the log differ.
@@ -170,20 +147,4 @@ fn as_given(log: &Log, key: &str, used: &str) -> Option<String> {
     let there = log.metadata().first(key).filter(|_| !log.metadata().is_contradicted(key))?;
     let (value, line) = (&there.value, there.line);
     Some(format!("{used} as given, not the '# {key}: {value}' of line {line}"))
-}
-
-impl Used {
-    fn sentence(&self, log: &Log) -> Option<String> {
-        let (said, used) = self.said.zip(self.used)?;
-        let given = f64::from(used);
-        if (given - said).abs() <= self.same * said.abs().max(given.abs()) {
-            return None;
-        }
-        let number = match self.decimals {
-            Some(decimals) => format!("{used:.decimals$}"),
-            None => used.to_string(),
-        };
-        let Self { what, unit, key, .. } = self;
-        as_given(log, key, &format!("{what} {number}{unit}"))
-    }
 }

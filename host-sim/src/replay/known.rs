@@ -69,11 +69,9 @@ impl WeightFrom {
     /// # Errors
     /// An unknown word.
     pub fn from_word(word: &str) -> Result<Self, InputError> {
-        match word {
-            "same_cell" => Ok(Self::SameCell),
-            "other" => Ok(Self::Other),
-            _ => Err(InputError::new(format!("'# weight_from:' has '{word}': same_cell or other"))),
-        }
+        <Self as clap::ValueEnum>::from_str(word, false).map_err(|_| {
+            InputError::new(format!("'# weight_from:' has '{word}': same_cell or other"))
+        })
     }
 }
 

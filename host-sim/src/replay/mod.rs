@@ -34,7 +34,7 @@ mod unsaid_zero;
 
 use gathered::Gathered;
 use result::ReplayResult;
-use test::{Around, TestOptions};
+use test::Around;
 
 /// Runs a whole log through the core; a long one is read on a second thread, in constant memory.
 ///
@@ -49,7 +49,7 @@ pub fn replay(
     config: &Config,
     observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
-    let around = Around { keeps_means: true, ..TestOptions::default().around() };
+    let around = Around { keeps_means: true, ..Around::default() };
     replay_with(path, log, config, around, observe)
 }
 

@@ -2,21 +2,32 @@
 
 use std::collections::VecDeque;
 use std::io::{self, Write};
-use std::sync::Arc;
 
 use floe_core::signal::derivative::{Central, Rate};
 use floe_core::{Phase, SampleFlag, Step};
-use parquet::basic::{LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArrayType, DoubleType, FloatType, Int64Type};
 use parquet::errors::Result as ParquetResult;
-use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::Type;
+use parquet::file::writer::SerializedFileWriter;
 
-use crate::columnar;
+use crate::columnar::{self, Column, schema};
 
-/// The columns, in CSV and in Parquet.
-pub const COLUMNS: [&str; 7] =
-    ["time_s", "force_n", "rate_n_per_s", "phase", "block_m_per_s", "flag", "index"];
+/// A column of the table.
+type SampleColumn<'a> = Column<'a, &'a SampleRow>;
+
+use Column::{Long, MaybeSingle, Number, Text};
+
+impl SampleColumn<'_> {
+    /// The columns, in CSV and in Parquet.
+    const ALL: [(&'static str, Self); 7] = [
+        ("time_s", Number(|row| row.time_s)),
+        ("force_n", MaybeSingle(|row| row.force_n)),
+        ("rate_n_per_s", MaybeSingle(|row| row.rate_n_per_s)),
+        ("phase", Text(|row| row.phase)),
+        ("block_m_per_s", MaybeSingle(|row| row.block_m_per_s)),
+        ("flag", Text(|row| row.flag)),
+        ("index", Long(|row| row.index.into())),
+    ];
+}
+
 /// Numeric columns whose values hardly repeat.
 const MEASURED: [&str; 4] = ["time_s", "rate_n_per_s", "block_m_per_s", "index"];
 /// Samples held back until their rate is known and none can become a spike any more.
@@ -186,7 +197,7 @@ pub fn table<'a, W: Write + Send + 'a>(
         return Ok(Box::new(Parquet::new(out, about).map_err(columnar::io_error)?));
     }
     let mut writer = csv::Writer::from_writer(out);
-    writer.write_record(COLUMNS).map_err(io::Error::other)?;
+    writer.write_record(SampleColumn::ALL.map(|(name, _)| name)).map_err(io::Error::other)?;
     Ok(Box::new(Csv(writer)))
 }
 
@@ -211,63 +222,21 @@ struct Parquet<W: Write + Send> {
 
 impl<W: Write + Send> Parquet<W> {
     fn new(out: W, about: &[(&str, String)]) -> ParquetResult<Self> {
-        let kinds = [
-            (Physical::DOUBLE, Repetition::REQUIRED),
-            (Physical::FLOAT, Repetition::OPTIONAL),
-            (Physical::FLOAT, Repetition::OPTIONAL),
-            (Physical::BYTE_ARRAY, Repetition::REQUIRED),
-            (Physical::FLOAT, Repetition::OPTIONAL),
-            (Physical::BYTE_ARRAY, Repetition::REQUIRED),
-            (Physical::INT64, Repetition::REQUIRED),
-        ];
-        let field = |(name, (kind, repetition)): (&&str, (Physical, Repetition))| {
-            let text = (kind == Physical::BYTE_ARRAY).then_some(LogicalType::String);
-            let builder = Type::primitive_type_builder(name, kind).with_repetition(repetition);
-            builder.with_logical_type(text).build().map(Arc::new)
-        };
-        let fields: ParquetResult<Vec<_>> = COLUMNS.iter().zip(kinds).map(field).collect();
-        let schema = Type::group_type_builder("sample").with_fields(fields?).build()?;
-        let writer = SerializedFileWriter::new(
-            out,
-            Arc::new(schema),
-            columnar::properties(about, MEASURED.into_iter()),
-        )?;
+        let properties = columnar::properties(about, MEASURED.into_iter());
+        let writer =
+            SerializedFileWriter::new(out, schema("sample", &SampleColumn::ALL)?, properties)?;
         Ok(Self { writer: Some(writer), rows: Vec::new() })
     }
 
     fn write_group(&mut self) -> ParquetResult<()> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
         let mut group = writer.next_row_group()?;
-        let rows = &self.rows;
-        let times: Vec<f64> = rows.iter().map(|row| row.time_s).collect();
-        columnar::write::<DoubleType>(&mut group, &times, None)?;
-        maybe(&mut group, rows, |row| row.force_n)?;
-        maybe(&mut group, rows, |row| row.rate_n_per_s)?;
-        words(&mut group, rows, |row| row.phase)?;
-        maybe(&mut group, rows, |row| row.block_m_per_s)?;
-        words(&mut group, rows, |row| row.flag)?;
-        let indices: Vec<i64> = rows.iter().map(|row| row.index.into()).collect();
-        columnar::write::<Int64Type>(&mut group, &indices, None)?;
+        SampleColumn::ALL
+            .iter()
+            .try_for_each(|(_, column)| column.write(&mut group, self.rows.iter()))?;
         self.rows.clear();
         group.close().map(drop)
     }
-}
-
-fn maybe(
-    group: &mut SerializedRowGroupWriter<'_, impl Write + Send>,
-    rows: &[SampleRow],
-    of: fn(&SampleRow) -> Option<f32>,
-) -> ParquetResult<()> {
-    let (values, levels) = columnar::known(rows.iter().map(of));
-    columnar::write::<FloatType>(group, &values, Some(&levels))
-}
-
-fn words(
-    group: &mut SerializedRowGroupWriter<'_, impl Write + Send>,
-    rows: &[SampleRow],
-    of: fn(&SampleRow) -> &'static str,
-) -> ParquetResult<()> {
-    columnar::write::<ByteArrayType>(group, &columnar::texts(rows.iter().map(of)), None)
 }
 
 impl<W: Write + Send> Table for Parquet<W> {

@@ -191,9 +191,7 @@ impl TestOptions {
         let own = own.map(|(key, given, said)| Input { key, given, said });
         own.into_iter().chain(self.known.inputs(&said.known))
     }
-}
 
-impl TestOptions {
     /// Keys of a log that these options replace.
     pub fn settles(&self) -> impl Iterator<Item = &'static str> {
         let is_weighed = self.weight_n.or(self.mass_kg).is_some();

@@ -5,6 +5,7 @@ use super::context::Context;
 use super::fit::reach_s;
 use super::table::chosen;
 use crate::replay::result::EventSummary;
+use crate::rounding::trimmed;
 
 /// Largest number of samples; a log at 16 Hz has all that are kept at full resolution.
 const MOST_SAMPLES: usize = 1 << 16;
@@ -127,8 +128,7 @@ fn decimal(x: f64, decimals: usize) -> String {
     if !x.is_finite() {
         return "null".into();
     }
-    let text = format!("{x:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+    trimmed(&format!("{x:.decimals$}")).into()
 }
 
 #[cfg(test)]

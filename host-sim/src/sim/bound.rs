@@ -142,24 +142,6 @@ impl LinearEvent {
         let fisher = fisher(times_s.map(|t| self.gradient(t)));
         Some(ForceBound::new(&inverse(fisher)?, noise_n))
     }
-
-    /// The bound with `k w` and `omega` known from elsewhere.
-    #[must_use]
-    pub fn bound_with_known_rate(
-        &self,
-        times_s: impl Iterator<Item = f64>,
-        noise_n: f64,
-    ) -> Option<ForceBound> {
-        let mut fisher = fisher(times_s.map(|t| self.gradient(t)));
-        // A known parameter has no correlation with the others.
-        let known = |i: usize| i == RATE || i == OMEGA;
-        for (i, row) in fisher.iter_mut().enumerate() {
-            for (j, cell) in row.iter_mut().enumerate().filter(|(j, _)| known(i) || known(*j)) {
-                *cell = if i == j { 1.0 } else { 0.0 };
-            }
-        }
-        Some(ForceBound::new(&inverse(fisher)?, noise_n))
-    }
 }
 
 impl ForceBound {

@@ -2,46 +2,24 @@
 
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY_M_PER_S2;
 
-use super::along_slip::AlongSlip;
-use super::damping::CableDamping;
 use super::friction::Pair;
 use super::random::{self, Stream};
-use super::rate_and_state::RateAndState;
-use super::rocking::Rocking;
 use super::scene::Scene;
-use super::state::{Hold, Mechanics, State};
-use super::stribeck::Stribeck;
-use super::terms::{Breaking, Creep, Drag, RateDependence, Sag};
+use super::state::{Mechanics, State};
+use super::terms::{Sag, WinchProfile};
 use super::winch::Winch;
 
 /// Forces and parameters at the current time. Parameters that change in steps (weight, winch on and
 /// off) are advanced with [`Physics::pass_break`].
 #[derive(Clone, Debug)]
 pub struct Physics {
+    /// With the weight that the block has now.
+    scene: Scene,
     pair: Pair,
-    weight_n: f64,
-    stiffness_n_per_m: f64,
-    length_m: f64,
     winch: Winch,
-    slope_rad: f64,
-    slope_rad_per_m: f64,
-    post: bool,
-    hold: Option<Hold>,
-    rate: Option<RateDependence>,
-    stribeck: Option<Stribeck>,
-    rate_and_state: Option<RateAndState>,
-    along_slip: Option<AlongSlip>,
-    rocking: Option<Rocking>,
     /// Position, m, and time, s, at which the slip began.
     slip_from: (f64, f64),
-    creep: Option<Creep>,
-    shortening: bool,
-    sag: Option<Sag>,
     cable_lies: bool,
-    damping: Option<CableDamping>,
-    drag: Option<Drag>,
-    weighing: bool,
-    breaking: Option<Breaking>,
 }
 
 impl Physics {
@@ -51,31 +29,11 @@ impl Physics {
     pub fn new(scene: &Scene, pair: Pair, seed: u64) -> Self {
         let random = random::stream(seed, Stream::Winch);
         Self {
+            scene: scene.clone(),
             pair,
-            weight_n: scene.weight_n,
-            stiffness_n_per_m: scene.stiffness_n_per_m,
-            length_m: scene.cable_length_m,
             winch: Winch::new(scene.winch_m_per_s, scene.winch_profile.clone(), random),
-            slope_rad: scene.slope_rad(),
-            slope_rad_per_m: scene.tilt.map_or(0.0, |t| t.deg_per_m.to_radians()),
-            post: scene.post,
-            hold: scene
-                .hold_time
-                .map(|h| Hold { reference_s: h.reference_s, per_decade: h.per_decade }),
-            rate: scene.rate_dependence,
-            stribeck: scene.stribeck,
-            rate_and_state: scene.rate_and_state,
-            along_slip: scene.along_slip,
-            rocking: scene.rocking,
             slip_from: (0.0, 0.0),
-            creep: scene.creep,
-            shortening: scene.shortening,
-            sag: scene.sag,
             cable_lies: false,
-            damping: scene.cable_damping,
-            drag: scene.drag,
-            weighing: scene.weighing.is_some(),
-            breaking: scene.breaking,
         }
     }
 
@@ -90,22 +48,17 @@ impl Physics {
         self.pair
     }
 
-    /// Current weight, N.
-    #[must_use]
-    pub fn weight_n(&self) -> f64 {
-        self.weight_n
-    }
-
     /// Current mass, kg.
     #[must_use]
     pub fn mass_kg(&self) -> f64 {
-        self.weight_n / GRAVITY_M_PER_S2
+        self.scene.weight_n / GRAVITY_M_PER_S2
     }
 
     /// Slope of the ice under the block, rad.
     #[must_use]
     pub fn slope_rad(&self, position_m: f64) -> f64 {
-        self.slope_rad + self.slope_rad_per_m * position_m
+        let per_m = self.scene.tilt.map_or(0.0, |tilt| tilt.deg_per_m.to_radians());
+        self.scene.slope_rad() + per_m * position_m
     }
 
     /// Speed of the winch, m/s.
@@ -116,22 +69,23 @@ impl Physics {
 
     /// Free length of the cable, m.
     fn length_m(&self, position_m: f64) -> f64 {
-        if self.shortening { self.length_m - position_m } else { self.length_m }
+        let start_m = self.scene.cable_length_m;
+        if self.scene.shortening { start_m - position_m } else { start_m }
     }
 
     /// Whether too little of the cable is left for a meaningful length.
     #[must_use]
     pub fn is_at_winch(&self, position_m: f64) -> bool {
-        let used_up = self.length_m(position_m) < 0.01 * self.length_m;
-        self.shortening && used_up
+        let used_up = self.length_m(position_m) < 0.01 * self.scene.cable_length_m;
+        self.scene.shortening && used_up
     }
 
     /// Stiffness of the cable, N/m.
     #[must_use]
     pub fn stiffness_n_per_m(&self, force_n: f64, position_m: f64) -> f64 {
         let length = self.length_m(position_m);
-        let taut = self.stiffness_n_per_m * self.length_m / length;
-        let Some(Sag { weight_n_per_m: q, .. }) = self.sag else { return taut };
+        let taut = self.scene.stiffness_n_per_m * self.scene.cable_length_m / length;
+        let Some(Sag { weight_n_per_m: q, .. }) = self.scene.sag else { return taut };
         let lying_n = self.lying_force_n(position_m);
         // Forces far below that occur only within a step that overshoots.
         let hanging_n = if self.cable_lies { lying_n } else { force_n.max(0.1 * lying_n) };
@@ -141,7 +95,7 @@ impl Physics {
     /// Force below which a sagging cable lies on the ice, N; zero without sag.
     fn lying_force_n(&self, position_m: f64) -> f64 {
         let length = self.length_m(position_m);
-        self.sag.map_or(0.0, |s| s.weight_n_per_m * length * length / (8.0 * s.height_m))
+        self.scene.sag.map_or(0.0, |s| s.weight_n_per_m * length * length / (8.0 * s.height_m))
     }
 
     /// Sets whether the cable lies on the ice: the stiffness has a kink there, and each side has
@@ -162,7 +116,7 @@ impl Physics {
     /// Whether the stiffness has such a kink.
     #[must_use]
     pub fn has_kink(&self) -> bool {
-        self.sag.is_some()
+        self.scene.sag.is_some()
     }
 
     /// Coefficient of the moving block.
@@ -170,21 +124,21 @@ impl Physics {
     pub fn mu(&self, state: &State) -> f64 {
         let speed = state.speed_m_per_s.max(0.0);
         let Pair { mu_s, mu, .. } = self.pair;
-        let law = match (self.rate_and_state, self.rate) {
+        let law = match (self.scene.rate_and_state, self.scene.rate_dependence) {
             (Some(law), _) => law.mu(mu, speed, state.contact_s),
             (None, Some(r)) => mu + r.per_decade * (1.0 + speed / r.reference_m_per_s).log10(),
             (None, None) => mu,
         };
-        let falling = self.stribeck.map_or(0.0, |s| (mu_s - mu) * s.left(speed));
+        let falling = self.scene.stribeck.map_or(0.0, |s| (mu_s - mu) * s.left(speed));
         (law + falling) * self.factor_in_slip(state)
     }
 
     /// Factor on the friction due to the terms that act within a slip.
     fn factor_in_slip(&self, state: &State) -> f64 {
         let (from_m, from_s) = self.slip_from;
-        let along = self.along_slip.map_or(1.0, |a| a.factor(state.position_m - from_m));
-        let rocking = self.rocking.map_or(1.0, |r| {
-            let omega = (self.stiffness_n_per_m / self.mass_kg()).sqrt();
+        let along = self.scene.along_slip.map_or(1.0, |a| a.factor(state.position_m - from_m));
+        let rocking = self.scene.rocking.map_or(1.0, |r| {
+            let omega = (self.scene.stiffness_n_per_m / self.mass_kg()).sqrt();
             r.factor(omega, state.time_s - from_s)
         });
         along * rocking
@@ -203,25 +157,27 @@ impl Physics {
     /// Whether the force has its peak some time after the block begins to move.
     #[must_use]
     pub fn has_smooth_onset(&self) -> bool {
-        self.stribeck.is_some() || self.rate_and_state.is_some()
+        self.scene.has_smooth_onset()
     }
 
     /// Damping coefficient of the cable, N s/m.
     #[must_use]
     pub fn damping_n_s_per_m(&self) -> f64 {
-        self.damping.map_or(0.0, |d| d.n_s_per_m(self.stiffness_n_per_m, self.mass_kg()))
+        self.scene
+            .cable_damping
+            .map_or(0.0, |d| d.n_s_per_m(self.scene.stiffness_n_per_m, self.mass_kg()))
     }
 
     /// Rate of the age of the contacts at a speed of the block.
     #[must_use]
     pub fn ageing(&self, speed_m_per_s: f64, contact_s: f64) -> f64 {
-        self.rate_and_state.map_or(0.0, |law| law.ageing(speed_m_per_s, contact_s))
+        self.scene.rate_and_state.map_or(0.0, |law| law.ageing(speed_m_per_s, contact_s))
     }
 
     /// Speed below which a moving block counts as resting, m/s.
     #[must_use]
     pub fn rest_m_per_s(&self) -> f64 {
-        self.rate_and_state.map_or(0.0, |law| law.rest_m_per_s(self.winch.nominal_m_per_s()))
+        self.scene.rate_and_state.map_or(0.0, |law| law.rest_m_per_s(self.winch.nominal_m_per_s()))
     }
 
     /// Force that balances friction, slope and drag on the moving block, N.
@@ -229,23 +185,23 @@ impl Physics {
     pub fn resistance_n(&self, state: &State) -> f64 {
         let (sin, cos) = self.slope_rad(state.position_m).sin_cos();
         let v = state.speed_m_per_s;
-        let drag_n = self.drag.map_or(0.0, |d| (d.n_s_per_m + d.n_s2_per_m2 * v) * v);
-        self.weight_n * (sin + self.mu(state) * cos) + drag_n
+        let drag_n = self.scene.drag.map_or(0.0, |d| (d.n_s_per_m + d.n_s2_per_m2 * v) * v);
+        self.scene.weight_n * (sin + self.mu(state) * cos) + drag_n
     }
 
     /// Speed of the creep of a resting block, m/s.
     #[must_use]
     pub fn creep_m_per_s(&self, state: &State) -> f64 {
-        if self.post {
+        if self.scene.post {
             return 0.0;
         }
-        if let Some(law) = self.rate_and_state {
+        if let Some(law) = self.scene.rate_and_state {
             let (sin, cos) = self.slope_rad(state.position_m).sin_cos();
-            let mu = (state.force_n / self.weight_n - sin) / cos;
+            let mu = (state.force_n / self.scene.weight_n - sin) / cos;
             let most = self.winch.nominal_m_per_s();
             return law.creep_m_per_s(self.pair.mu, mu, state.contact_s, most);
         }
-        let Some(creep) = self.creep else { return 0.0 };
+        let Some(creep) = self.scene.creep else { return 0.0 };
         let below_n = state.force_n - self.mechanics(state).static_force_n(state);
         // Forces above the onset occur only within a step that overshoots.
         let growth = (below_n / creep.range_n).min(5.0).exp();
@@ -257,68 +213,50 @@ impl Physics {
     /// starts it.
     #[must_use]
     pub fn onset_speed_m_per_s(&self, time_s: f64) -> f64 {
-        if let Some(law) = self.rate_and_state {
+        if let Some(law) = self.scene.rate_and_state {
             return law.slip_m_per_s(self.winch.nominal_m_per_s());
         }
-        if self.stribeck.is_some() {
+        if self.scene.stribeck.is_some() {
             return 1e-3 * self.winch.nominal_m_per_s();
         }
-        self.creep.map_or(0.0, |c| c.onset_fraction * self.winch_m_per_s(time_s))
+        self.scene.creep.map_or(0.0, |c| c.onset_fraction * self.winch_m_per_s(time_s))
     }
 
     /// The parameters of the linear block on a cable at this moment; constant if
-    /// [`Physics::is_linear`].
+    /// [`Scene::is_linear`].
     #[must_use]
     pub fn mechanics(&self, state: &State) -> Mechanics {
         let (sin, cos) = self.slope_rad(state.position_m).sin_cos();
-        let mu_s = self.rate_and_state.map_or(self.pair.mu_s, |law| {
+        let mu_s = self.scene.rate_and_state.map_or(self.pair.mu_s, |law| {
             let speed = law.slip_m_per_s(self.winch.nominal_m_per_s());
             law.mu(self.pair.mu, speed, state.contact_s)
         });
-        let static_n = self.weight_n * (sin + mu_s * cos);
+        let static_n = self.scene.weight_n * (sin + mu_s * cos);
         Mechanics {
-            weight_n: self.weight_n,
+            weight_n: self.scene.weight_n,
             mass_kg: self.mass_kg(),
             slope_rad: self.slope_rad(state.position_m),
             stiffness_n_per_m: self.stiffness_n_per_m(state.force_n, state.position_m),
             winch_m_per_s: self.winch_m_per_s(state.time_s),
-            reference_static_force_n: if self.post { f64::INFINITY } else { static_n },
+            reference_static_force_n: if self.scene.post { f64::INFINITY } else { static_n },
             dynamic_force_n: self.resistance_n(state),
             mu: self.mu(state),
-            hold: self.hold,
+            hold: self.scene.hold_time,
         }
-    }
-
-    /// Whether the closed form holds between breaks.
-    #[must_use]
-    pub fn is_linear(&self) -> bool {
-        let constant_cable = !self.shortening
-            && self.sag.is_none()
-            && self.damping.is_none()
-            && self.winch.is_even();
-        let constant_friction = self.rate.is_none()
-            && self.drag.is_none()
-            && self.creep.is_none()
-            && self.along_slip.is_none()
-            && self.rocking.is_none()
-            && !self.has_smooth_onset();
-        // An exact zero turns the tilt off.
-        !self.weighing && constant_cable && constant_friction && self.slope_rad_per_m.abs() <= 0.0
     }
 
     /// Time of the next change of a parameter, s; infinite if there is none.
     #[must_use]
     pub fn next_break_s(&self) -> f64 {
-        let breaking_s = self.breaking.map_or(f64::INFINITY, |b| b.at_s);
+        let breaking_s = self.scene.breaking.map_or(f64::INFINITY, |b| b.at_s);
         self.winch.next_s().min(breaking_s)
     }
 
     /// Applies the change at [`Physics::next_break_s`].
     pub fn pass_break(&mut self) {
         let now_s = self.next_break_s();
-        if let Some(breaking) = self.breaking.filter(|b| b.at_s <= now_s) {
-            self.weight_n = breaking.weight_n;
-            self.breaking = None;
+        if let Some(breaking) = self.scene.breaking.take_if(|b| b.at_s <= now_s) {
+            self.scene.weight_n = breaking.weight_n;
         }
         if self.winch.next_s() <= now_s {
             self.winch.pass();
@@ -336,7 +274,22 @@ impl Scene {
     /// Whether the closed form holds from event to event.
     #[must_use]
     pub fn is_linear(&self) -> bool {
-        let (mu_s, mu) = self.coefficients();
-        Physics::new(self, Pair { mu_s, mu, partial: false }, 0).is_linear()
+        let ripples = matches!(self.winch_profile, Some(WinchProfile::Ripple { .. }));
+        let constant_cable =
+            !self.shortening && self.sag.is_none() && self.cable_damping.is_none() && !ripples;
+        let constant_friction = self.rate_dependence.is_none()
+            && self.drag.is_none()
+            && self.creep.is_none()
+            && self.along_slip.is_none()
+            && self.rocking.is_none()
+            && !self.has_smooth_onset();
+        // An exact zero turns the tilt off.
+        let constant_slope = self.tilt.is_none_or(|tilt| tilt.deg_per_m.abs() <= 0.0);
+        self.weighing.is_none() && constant_cable && constant_friction && constant_slope
+    }
+
+    /// Whether the force has its peak some time after the block begins to move.
+    fn has_smooth_onset(&self) -> bool {
+        self.stribeck.is_some() || self.rate_and_state.is_some()
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::terms::HoldTime;
+
 /// State of block and cable.
 ///
 /// ```text
@@ -66,15 +68,6 @@ pub enum End {
     Continue,
 }
 
-/// Growth of static friction with the time of rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hold {
-    /// Time of rest at which the event's `mu_s` holds, s.
-    pub reference_s: f64,
-    /// Growth of `mu_s` over a factor of ten in time.
-    pub per_decade: f64,
-}
-
 /// Parameters that are constant during a segment in closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mechanics {
@@ -95,7 +88,7 @@ pub struct Mechanics {
     /// Dynamic coefficient.
     pub mu: f64,
     /// Dependence of `Fs` on the time of rest, if there is one.
-    pub hold: Option<Hold>,
+    pub hold: Option<HoldTime>,
 }
 
 impl Mechanics {

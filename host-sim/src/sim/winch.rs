@@ -135,10 +135,6 @@ impl Winch {
         winch
     }
 
-    pub(super) fn is_even(&self) -> bool {
-        !matches!(self.profile, Some(WinchProfile::Ripple { .. }))
-    }
-
     /// Speed, m/s.
     pub(super) fn m_per_s(&self, time_s: f64) -> f64 {
         let ripple = match self.profile {

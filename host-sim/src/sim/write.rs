@@ -2,7 +2,10 @@
 
 use std::io::{self, Write};
 
+use time::{Date, Duration};
+
 use crate::error::printable_line;
+use crate::rounding::trimmed;
 
 use super::decimal::{Backwards, Fixed};
 use super::run::Sample;
@@ -62,7 +65,7 @@ pub fn csv_line(out: &mut impl Write, force_decimals: usize, sample: &Sample) ->
     let Sample { time_s, force_n, .. } = *sample;
     let Some((time, force)) = Fixed::new(time_s, 6).zip(Fixed::new(force_n, force_decimals)) else {
         let time = format!("{time_s:.6}");
-        return writeln!(out, "{},{force_n:.force_decimals$}", trim(&time));
+        return writeln!(out, "{},{force_n:.force_decimals$}", trimmed(&time));
     };
     let mut line = Backwards::new();
     line.push(b'\n');
@@ -91,18 +94,10 @@ pub fn cr10_line(out: &mut impl Write, start: Start, sample: &Sample) -> io::Res
     )
 }
 
-/// Year and day of the year, `days` after the start.
-fn calendar(start: Start, days: u64) -> (i32, u64) {
-    let (mut year, mut day) = (start.year, u64::from(start.day) + days);
-    loop {
-        let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-        let length = if leap { 366 } else { 365 };
-        if day <= length {
-            return (year, day);
-        }
-        day -= length;
-        year += 1;
-    }
+/// Year and day of the year, `days` after the start, which the scene's check has found to be a date.
+fn calendar(start: Start, days: u64) -> (i32, u16) {
+    let first = Date::from_ordinal_date(start.year, start.day as u16).unwrap_or(Date::MIN);
+    first.saturating_add(Duration::days(days as i64)).to_ordinal_date()
 }
 
 /// A value in the CR10's high resolution: five digits, at most 99999.
@@ -117,7 +112,7 @@ fn five_digits(value: f64) -> String {
 
 /// A number in the form of the CR10: no zero before the point, none at the end.
 fn cr10_number(text: &str) -> String {
-    let text = trim(text);
+    let text = trimmed(text);
     let (sign, digits) = match text.strip_prefix('-') {
         Some(digits) => ("-", digits),
         None => ("", text),
@@ -127,9 +122,4 @@ fn cr10_number(text: &str) -> String {
         None if digits == "0" => "0".to_owned(),
         None => text.to_owned(),
     }
-}
-
-/// Drops zeros at the end of a decimal fraction.
-fn trim(text: &str) -> &str {
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }

@@ -83,7 +83,11 @@ fn refuse_own_output(inputs: &[&Path]) -> Result<(), InputError> {
     }
 }
 
-fn refuse(path: &Path, why: &str) -> Result<(), InputError> {
+/// The error for an output, with its path.
+///
+/// # Errors
+/// Always.
+pub fn refuse<T>(path: &Path, why: &str) -> Result<T, InputError> {
     Err(InputError::new(why).within(path.display()))
 }
 
@@ -141,10 +145,8 @@ pub fn check_folder(folder: &Path, outputs: &[&Path]) -> Result<(), InputError> 
     }
     let taken: Vec<Identity> = outputs.iter().filter_map(|path| Identity::of(path)).collect();
     if folder.ancestors().filter_map(Identity::of).any(|place| taken.contains(&place)) {
-        return refuse(
-            folder,
-            "is written already by this command as a file; name another directory",
-        );
+        let why = "is written already by this command as a file; name another directory";
+        return refuse(folder, why);
     }
     refuse_nowhere(folder)
 }

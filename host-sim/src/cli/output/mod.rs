@@ -15,7 +15,7 @@ use std::path::Path;
 use crate::error::{InputError, printable_line, printable_text};
 
 pub use behind::Behind;
-pub use check::{Older, check, check_folder, check_log, refuse_nowhere, refuse_standard};
+pub use check::{Older, check, check_folder, check_log, refuse, refuse_nowhere, refuse_standard};
 pub use write::{make_folder, replace, stream};
 
 /// A line over everything else of a log that was computed; nothing for a measured one.
@@ -96,6 +96,11 @@ pub fn warn(path: &str, warnings: &[String]) {
 /// Puts a line on standard error. A failure is ignored: nobody reads it.
 pub fn tell(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Whether the name of a file ends so.
+pub fn ends_with(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|end| end.eq_ignore_ascii_case(extension))
 }
 
 /// Where a file is, or will be.

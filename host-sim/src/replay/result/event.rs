@@ -95,7 +95,7 @@ impl EventSummary {
     /// An event with its times in the log's seconds.
     #[must_use]
     pub fn new(event: &Event, onset_s: f64, stop_s: f64) -> Self {
-        Self {
+        let mut summary = Self {
             index: event.index,
             onset_s,
             stop_s,
@@ -114,14 +114,10 @@ impl EventSummary {
             slack: event.slack,
             quality: event.quality.to_string(),
             reason: event.reason.map(|reason| reason.to_string()),
-            mu_s_systematic_std: known(event.mu_s.map(|c| c.systematic_std)),
-            mu_systematic_std: known(event.mu.map(|c| c.systematic_std)),
-            mu_s_combined_std: known(event.mu_s.map(|c| c.combined_std())),
-            mu_combined_std: known(event.mu.map(|c| c.combined_std())),
-            mu_s_ci95: pair(event.mu_s.map(|c| c.ci95())),
-            mu_ci95: pair(event.mu.map(|c| c.ci95())),
             ..Self::default()
-        }
+        };
+        summary.set_uncertainties([event.mu_s, event.mu]);
+        summary
     }
 
     /// Applies the losses of the cable to an event that has none, and a drift of the zero (a
@@ -131,7 +127,11 @@ impl EventSummary {
             coefficient(self.mu_s, self.mu_s_std, self.mu_s_systematic_std),
             coefficient(self.mu, self.mu_std, self.mu_systematic_std),
         ]);
-        let [mu_s, mu] = coefficients.map(|it| it.map(|it| may_have_drifted(it, drift_std)));
+        self.set_uncertainties(coefficients.map(|it| it.map(|it| may_have_drifted(it, drift_std))));
+    }
+
+    /// Sets the systematic and combined uncertainties of the coefficients that are known.
+    fn set_uncertainties(&mut self, [mu_s, mu]: [Option<Coefficient>; 2]) {
         if let Some(it) = mu_s {
             self.mu_s_systematic_std = known(Some(it.systematic_std));
             self.mu_s_combined_std = known(Some(it.combined_std()));

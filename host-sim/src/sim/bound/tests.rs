@@ -20,6 +20,19 @@ fn slack() -> SlackEvent {
     }
 }
 
+/// The bound of `Fs` with `k w` and `omega` known from elsewhere, N.
+fn with_known_rate_n(event: &LinearEvent, times_s: impl Iterator<Item = f64>) -> f64 {
+    let mut fisher = fisher(times_s.map(|t| event.gradient(t)));
+    // A known parameter has no correlation with the others.
+    let known = |i: usize| i == RATE || i == OMEGA;
+    for (i, row) in fisher.iter_mut().enumerate() {
+        for (j, cell) in row.iter_mut().enumerate().filter(|(j, _)| known(i) || known(*j)) {
+            *cell = if i == j { 1.0 } else { 0.0 };
+        }
+    }
+    ForceBound::new(&inverse(fisher).unwrap(), 1.0).static_n
+}
+
 /// Root-mean-square of the bounds over sampling phases, in units of sigma:
 /// `Fs`, `Fp`, and `Fs` with rate and omega known.
 fn mean_bounds(event: LinearEvent) -> (f64, f64, f64) {
@@ -34,7 +47,7 @@ fn mean_bounds(event: LinearEvent) -> (f64, f64, f64) {
         let bound = event.bound(times(), 1.0).unwrap();
         squares.0 += bound.static_n.powi(2);
         squares.1 += bound.dynamic_n.powi(2);
-        known += event.bound_with_known_rate(times(), 1.0).unwrap().static_n.powi(2);
+        known += with_known_rate_n(&event, times()).powi(2);
     }
     let root = |square: f64| (square / f64::from(phases)).sqrt();
     (root(squares.0), root(squares.1), root(known))
