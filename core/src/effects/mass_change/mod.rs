@@ -140,9 +140,12 @@ impl Mass {
         (kept, odd): (&FadingTrend, u32),
     ) -> (Verdict, State) {
         let before = self.expected(kept);
-        if evidence.strained
-            || (evidence.inverse_omega.is_some() && !evidence.is_off(before, forces))
-        {
+        // An event without a swing of its own has the usual force at least.
+        let is_usual = match evidence.inverse_omega {
+            Some(_) => !evidence.is_off(before, forces),
+            None => self.doubt.abs() <= 0.0,
+        };
+        if evidence.strained || is_usual {
             *swing = *kept;
             // An event that the model does not describe is not learnt from either.
             (if evidence.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
@@ -322,6 +325,20 @@ mod tests {
             let truth = if expected == Verdict::Mass { 0.6667 } else { 1.0 };
             assert!((ratio / truth - 1.0).abs() <= 2.5 * std && std < 0.15, "{ratio} {std}");
         }
+    }
+
+    /// While a swing is suspect, an event without one has the usual force or not.
+    #[test]
+    fn the_usual_force_ends_a_suspicion() {
+        let mut block = Block::default();
+        (0..12).for_each(|i| {
+            block.take(&measured(i, 0.845, 0.004, 500.0 + i as f32));
+        });
+        assert_eq!(block.judge(&measured(2, 0.7, 0.004, 505.0)), Verdict::Suspect);
+        let silent =
+            |dynamic_n| Evidence { inverse_omega: None, ..measured(2, 0.7, 0.004, dynamic_n) };
+        assert_eq!({ block }.judge(&silent(400.0)), Verdict::Suspect);
+        assert_eq!({ block }.judge(&silent(506.0)), Verdict::Same);
     }
 
     /// `Fp` of a block that broke by an eighth is an outlier, and its swing is off by four standard
