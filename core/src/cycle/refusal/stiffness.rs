@@ -2,7 +2,7 @@
 //! fitted slip is not the slip that the block made.
 
 use crate::coefficient::Site;
-use crate::num::math::{self, larger};
+use crate::num::math;
 
 /// Ratio of the stiffnesses above which no error of weight, winch or model explains it: of the
 /// scenes that can be read none reaches 1.2.
@@ -35,12 +35,14 @@ impl RootStiffnessRatio {
     }
 
     /// Is the stiffness from the winch significantly larger than that from the slips? Then the
-    /// slips are aliases, made of single samples of many faster slips: time stretched by a factor
+    /// slips may be aliases, made of single samples of many faster slips: time stretched by a factor
     /// lowers `k = F'/w` by the factor and `k = ω² M` by its square, and the true slips recur that
-    /// much faster: at least once a sample, or their samples would not make smooth lines. `periods`
-    /// is the time to the next slip; the two stiffnesses may be wrong by [`SOFTER`].
+    /// much faster: at least once a sample, or their samples would not make smooth lines. A ratio
+    /// that is surely less than `periods`, the time to the next slip, has another cause: real slips
+    /// last longer than inertia tells. The two stiffnesses may be wrong by [`SOFTER`].
     pub(crate) fn is_folded(self, periods: f32) -> bool {
-        self.least > 0.0 && self.least * self.least > larger(STIFFER, SOFTER * periods)
+        let (least, most) = (self.least * self.least, self.most * self.most);
+        self.least > 0.0 && least > STIFFER && most > SOFTER * periods
     }
 
     /// Is the ratio significantly close to one? Then the slips are neither aliases nor an
@@ -85,9 +87,10 @@ mod tests {
             (2.5, 0.001, false, false),
             (19.0, 0.001, false, false),
             (20.0, 0.001, true, false),
-            (20.0, 0.01, false, false),
-            (29.0, 0.05, true, false),
-            (29.0, 0.1, false, false),
+            (15.0, 0.01, false, false),
+            (15.0, 0.1, true, false),
+            (29.0, 0.25, true, false),
+            (29.0, 0.4, false, false),
         ] {
             let seen = limits(winch_m_per_s, stretched, std);
             let got = (seen.is_folded(29.0), seen.is_one());

@@ -140,12 +140,7 @@ impl Mass {
         (kept, odd): (&FadingTrend, u32),
     ) -> (Verdict, State) {
         let before = self.expected(kept);
-        // An event without a swing of its own has the usual force at least.
-        let is_usual = match evidence.inverse_omega {
-            Some(_) => !evidence.is_off(before, forces),
-            None => self.doubt.abs() <= 0.0,
-        };
-        if evidence.strained || is_usual {
+        if evidence.strained || evidence.is_usual(before, forces) {
             *swing = *kept;
             // An event that the model does not describe is not learnt from either.
             (if evidence.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
@@ -327,20 +322,6 @@ mod tests {
         }
     }
 
-    /// While a swing is suspect, an event without one has the usual force or not.
-    #[test]
-    fn the_usual_force_ends_a_suspicion() {
-        let mut block = Block::default();
-        (0..12).for_each(|i| {
-            block.take(&measured(i, 0.845, 0.004, 500.0 + i as f32));
-        });
-        assert_eq!(block.judge(&measured(2, 0.7, 0.004, 505.0)), Verdict::Suspect);
-        let silent =
-            |dynamic_n| Evidence { inverse_omega: None, ..measured(2, 0.7, 0.004, dynamic_n) };
-        assert_eq!({ block }.judge(&silent(400.0)), Verdict::Suspect);
-        assert_eq!({ block }.judge(&silent(506.0)), Verdict::Same);
-    }
-
     /// `Fp` of a block that broke by an eighth is an outlier, and its swing is off by four standard
     /// deviations: its first event is enough. Without a swing the deviation of `Fp` is the
     /// uncertainty of the weight.
@@ -355,7 +336,9 @@ mod tests {
         let held = Evidence { dynamic_n: 505.0, ..broken };
         assert_eq!({ block }.judge(&held), Verdict::Same);
         let silent = Evidence { inverse_omega: None, ..broken };
-        let mut unsure = block;
+        let (mut unsure, mut suspect) = (block, block);
+        assert_eq!(suspect.judge(&measured(2, 0.6, 0.004, 505.0)), Verdict::Suspect);
+        assert_eq!(suspect.judge(&Evidence { dynamic_n: 505.0, ..silent }), Verdict::Same);
         assert_eq!(unsure.judge(&silent), Verdict::Same);
         assert!((unsure.mass.weight_ratio_and_std().1 - 0.14).abs() < 0.02);
         // A swing that stays the same means a change of friction.

@@ -74,6 +74,12 @@ impl Evidence {
         self.is_far(expected, 1.0, if agree { LIKELY } else { FAR }) && (masses - 1.0).abs() > LEAST
     }
 
+    /// Is the event as those before? One without a swing of its own is if its force is.
+    pub(super) fn is_usual(&self, expected: Prior, forces: f32) -> bool {
+        let has_swing = self.inverse_omega.is_some();
+        if has_swing { !self.is_off(expected, forces) } else { (forces - 1.0).abs() <= 0.0 }
+    }
+
     /// Does the swing exclude a mass of `ratio` times the one with the expected swing?
     pub(super) fn excludes(&self, expected: Prior, ratio: f32) -> bool {
         self.is_far(expected, ratio, LIKELY)
