@@ -110,7 +110,7 @@ pub fn refuse_unknown_row(
     if width < 2 || is_text && (are_known(&row) || are_units) {
         return Ok(());
     }
-    let are_names = |(_, cells): &(u64, Vec<String>)| cells.len() == width && are_known(cells);
+    let are_names = |(_, cells): &(u64, Vec<String>)| cells.len() >= width && are_known(cells);
     match (2..4).filter_map(above).rfind(are_names) {
         Some((names, _)) => Err(InputError::new(format!(
             "line {number}: the names are in line {names}, and this row below them is not understood: \
