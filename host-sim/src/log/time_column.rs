@@ -118,7 +118,8 @@ impl Columns<'_> {
             }
             width => Err(InputError::new(format!(
                 "no header line over {width} columns: name the columns, e.g. 'time_s,force_n', \
-                 or give --time-column 1 --column 2"
+                 or give --time-column 1 --column {}",
+                (1..width).find(|&at| self.is_bare(at)).unwrap_or(1) + 1
             ))),
         }
     }

@@ -112,6 +112,17 @@ pub fn times() -> Vec<Form> {
         )
         .with(|o| o.rate_hz = Some(16.0)),
         form(
+            "a time of day, an arrow, a force",
+            table("", |t, f| format!("{} -> {f}", clock(t))),
+            Refused(&["no header line over 3 columns", "--time-column 1 --column 3"]),
+        ),
+        form(
+            "a balance's lines",
+            table("", |_, f| format!("S S {f:10.2} kg")),
+            Refused(&["line 1: no rows of numbers are found from here on"]),
+        )
+        .with(|o| o.rate_hz = Some(16.0)),
+        form(
             "words behind dates",
             table("Time,State,Force (N)\n", |t, f| format!("2012-02-29 {},ok,{f}", clock(t))),
             Same,
