@@ -83,7 +83,9 @@ fn form(found: &Inspection) -> String {
         return format!("{}, sectors of a logger's card", found.format);
     };
     let separator = match delimiter {
-        _ if found.columns.len() == 1 || found.time_unit.is_none() && found.columns.is_empty() => {
+        _ if found.columns.len() == 1
+            || found.time_columns.is_empty() && found.columns.is_empty() =>
+        {
             "one cell a line".to_string()
         }
         '\t' => "cells between tabs".to_string(),
@@ -103,10 +105,13 @@ fn places(found: &Inspection) -> String {
 
 fn time(found: &Inspection) -> String {
     let rate = significant(found.rate_hz);
-    let Some(unit) = found.time_unit else {
-        return format!("none: rows follow each other, {rate} a second");
-    };
     let columns: Vec<String> = found.time_columns.iter().map(|&at| column(found, at)).collect();
+    let Some(unit) = found.time_unit else {
+        return match columns.first() {
+            Some(number) => format!("{number}, the number of the row, {rate} a second"),
+            None => format!("none: rows follow each other, {rate} a second"),
+        };
+    };
     let start = found.start.as_ref().map(|start| format!(", from {start}")).unwrap_or_default();
     if found.samples < 2 {
         return format!("{}, {unit}; one sample, which tells no rate", columns.join(" and "));

@@ -110,7 +110,7 @@ pub fn refuse_unknown_row(
     if width < 2 || is_text && (are_known(&row) || are_units) {
         return Ok(());
     }
-    let are_names = |(_, cells): &(u64, Vec<String>)| cells.len() == width && are_known(cells);
+    let are_names = |(_, cells): &(u64, Vec<String>)| cells.len() >= width && are_known(cells);
     match (2..4).filter_map(above).rfind(are_names) {
         Some((names, _)) => Err(InputError::new(format!(
             "line {number}: the names are in line {names}, and this row below them is not understood: \
@@ -156,9 +156,13 @@ pub fn refuse_later_names(header: &Header, content: &[Content<'_>]) -> Result<()
 /// # Errors
 /// Names the first line.
 pub fn refuse_no_rows(header: &Header, lines: usize) -> Result<(), InputError> {
+    let is_number = |name: &String| {
+        name.trim_start_matches(['+', '-']).starts_with(|first: char| first.is_ascii_digit())
+    };
+    let are_names = |names: &[String]| are_known(names) && !names.iter().any(is_number);
     match &header.names {
         // A single line may be too long for this message.
-        Some((number, names)) if lines > 1 && !are_known(names) => Err(InputError::new(format!(
+        Some((number, names)) if lines > 1 && !are_names(names) => Err(InputError::new(format!(
             "line {number}: no rows of numbers are found from here on: write time and force into each, \
              such as 0.0625,12.5; or is the separator another? (--delimiter)"
         ))),

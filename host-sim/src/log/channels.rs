@@ -29,7 +29,7 @@ impl Columns<'_> {
     ) -> Result<(), InputError> {
         self.refuse_other_rows(force)?;
         let (date, clock) = match time {
-            TimeCells::Number { cell, .. } => (None, cell),
+            TimeCells::Number { cell, .. } | TimeCells::Numbered { cell, .. } => (None, cell),
             TimeCells::DateAndClock { date, clock } => (date, clock),
             TimeCells::Count { .. } | TimeCells::Cr10 { .. } => return Ok(()),
         };

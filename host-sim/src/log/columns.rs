@@ -8,7 +8,7 @@ use super::header::Header;
 use super::label::{Label, bare_unit, is_foreign};
 use super::metadata::Said;
 use super::number::{Decimal, Unit, finite, is_thousand, number, thousand};
-use super::said_unit::{assumed, commented};
+use super::said_unit::{assumed, commented, refuse_second};
 
 /// Names that take precedence, in this order.
 const FORCE_COLUMNS: [&str; 2] = ["force_n", "force_kn"];
@@ -132,7 +132,11 @@ impl<'a> Columns<'a> {
                     unit.name()
                 )))
             }
-            (Some(unit), _) => Ok((unit, Vec::new())),
+            (Some(unit), _) => {
+                let label = self.labels.get(column).filter(|_| options.unit.is_none());
+                label.map_or(Ok(()), |it| refuse_second(name, &it.quantity, unit))?;
+                Ok((unit, Vec::new()))
+            }
             (None, Some(label)) => Err(InputError::new(format!(
                 "the unit of column '{name}' is '{label}', which is not read: turn it into N, or give \
                  --unit N|kN|lbf|kgf|counts if it is one of these"

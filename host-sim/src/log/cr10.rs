@@ -114,6 +114,7 @@ pub fn layout(
         resolution_s: Some(if seconds { RESOLUTION_S } else { 60.0 }),
         seconds_unsaid: false,
         part: None,
+        unit_cell: None,
     };
     Ok((layout, note.into_iter().collect()))
 }

@@ -41,6 +41,9 @@ pub fn layout(
         columns.refuse_other_times(time, decimal)?;
     }
     let time = match (time, options.rate_hz.or(metadata.rate_hz)) {
+        (Some(cell), Some(rate_hz)) if columns.is_counter(cell, options, decimal) => {
+            TimeCells::Numbered { cell, rate_hz }
+        }
         (Some(time), _) => columns.time_cells(time, options, decimal)?,
         (None, Some(rate_hz)) => TimeCells::Count { rate_hz },
         (None, None) => return Err(columns.no_time(force)),
@@ -66,6 +69,7 @@ pub fn layout(
         resolution_s: None,
         seconds_unsaid: columns.seconds_unsaid(time, options),
         part,
+        unit_cell: columns.unit_cell(force)?,
     };
     Ok((layout, notes))
 }

@@ -46,13 +46,16 @@ fn mean_steps(times: &[f64], span: usize) -> Vec<f64> {
 pub(super) fn digit_s(times: &[f64], unit_s: f64) -> f64 {
     /// Resolution of an `f64` for a time since 1970.
     const EXACT_S: f64 = 3e-7;
+    /// Finest digit that is looked for: 10 µs, or that of days or minutes next to it.
+    const FINEST_S: f64 = 5e-6;
     let start_s = times.first().copied().unwrap_or(0.0);
     let is_written = |&digit_s: &f64| {
         let off =
             |time_s: f64| (time_s - start_s) / digit_s - ((time_s - start_s) / digit_s).round();
         times.iter().all(|&time_s| off(time_s).abs() * digit_s < EXACT_S + 1e-3 * digit_s)
     };
-    (0..6).map(|places| unit_s * 0.1_f64.powi(places)).find(is_written).unwrap_or(0.0)
+    let digits = (0..12).map(|places| unit_s * 0.1_f64.powi(places));
+    digits.take_while(|&digit_s| digit_s > FINEST_S).find(is_written).unwrap_or(0.0)
 }
 
 /// A line: stamp as a function of the index.

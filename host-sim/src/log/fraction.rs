@@ -17,7 +17,9 @@ impl Columns<'_> {
     pub fn refuse_no_zeros(&self, time: TimeCells) -> Result<(), InputError> {
         let column = match time {
             TimeCells::Number { cell, .. } | TimeCells::DateAndClock { clock: cell, .. } => cell,
-            TimeCells::Count { .. } | TimeCells::Cr10 { .. } => return Ok(()),
+            TimeCells::Numbered { .. } | TimeCells::Count { .. } | TimeCells::Cr10 { .. } => {
+                return Ok(());
+            }
         };
         let cells: Vec<(&str, &str)> =
             self.cells(column).filter_map(|cell| cell.rsplit_once(['.', ','])).collect();

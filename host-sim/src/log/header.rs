@@ -72,7 +72,11 @@ pub(super) fn kind(cell: &str) -> Kind {
 /// Whether a cell contains a time of day, also in unsupported forms: `2/29/2012 9:12:30 AM`.
 fn holds_clock(cell: &str) -> bool {
     let clock = |w: &[u8]| matches!(w, [a, b':', b] if a.is_ascii_digit() && b.is_ascii_digit());
-    cell.starts_with(|first: char| first.is_ascii_digit()) && cell.as_bytes().windows(3).any(clock)
+    // Other cells behind it: `12:00:00.5,ok,1.25` is what a blank leaves of a row.
+    let is_one = cell.matches([',', ';', '\t', '|']).count() < 2;
+    is_one
+        && cell.starts_with(|first: char| first.is_ascii_digit())
+        && cell.as_bytes().windows(3).any(clock)
 }
 
 /// Whether a cell is a number; NaN and infinity count, since they are readings.

@@ -136,6 +136,7 @@ fn time(cells: TimeCells) -> (Vec<usize>, Option<&'static str>) {
             let columns = date.into_iter().chain([clock]).map(|cell| cell + 1);
             (columns.collect(), Some("iso"))
         }
+        TimeCells::Numbered { cell, .. } => (vec![cell + 1], None),
         TimeCells::Count { .. } => (Vec::new(), None),
         TimeCells::Cr10 { seconds } => ((2..=4 + usize::from(seconds)).collect(), Some("iso")),
     }

@@ -1,6 +1,7 @@
 //! Parses column names: a quantity, and a unit if there is one.
 //!
-//! `force_kN`, `Force [kN]`, `Kraft (N)`, `Time / s`, `Force in kN` and `kg` all contain the unit.
+//! `force_kN`, `Force [kN]`, `Kraft (N)`, `Time / s`, `Force in kN` and `kg` all contain the unit,
+//! and so do `Force_kN_` and `Force..kN.`, which MATLAB and R make of `Force [kN]`.
 
 use super::number::{Unit, finite};
 use super::stamp::TimeUnit;
@@ -70,9 +71,9 @@ impl Label {
     /// Parses a column's name.
     #[must_use]
     pub fn new(name: &str) -> Self {
-        let name = name.trim().trim_end_matches(',');
+        let name = name.trim().trim_end_matches([',', '_', '.']);
         let label = |quantity: &str, unit: &str| {
-            let quantity = quantity.trim().trim_end_matches(['_', '/', ',']).trim();
+            let quantity = quantity.trim().trim_end_matches(['_', '/', ',', '.']).trim();
             let unit = Some(unit.trim().to_string()).filter(|unit| !unit.is_empty());
             Self { quantity: quantity.to_lowercase(), unit }
         };
@@ -94,7 +95,7 @@ impl Label {
             return label("", name);
         }
         let says = |unit| is_unit(unit) || is_foreign(unit);
-        match name.rsplit_once(['_', ' ', '/']).filter(|(_, unit)| says(unit)) {
+        match name.rsplit_once(['_', ' ', '/', '.']).filter(|(_, unit)| says(unit)) {
             Some((quantity, _)) if ends_with_size(quantity) => label(name, ""),
             Some((quantity, unit)) => label(quantity.trim_end_matches(" in"), unit),
             None => label(name, ""),
@@ -116,10 +117,10 @@ impl Label {
         alone || TIME.contains(&self.quantity.as_str())
     }
 
-    /// Whether the name is that of a force column.
+    /// Whether the name is that of a force column; `force_min` is a minimum.
     #[must_use]
     pub fn is_force(&self) -> bool {
-        FORCE.contains(&self.quantity.as_str())
+        FORCE.contains(&self.quantity.as_str()) && !self.is_in_time()
     }
 
     /// Whether the name contains a word for a force.
@@ -134,14 +135,15 @@ impl Label {
         !self.is_force() && self.holds_force() && self.words().any(|word| !FORCE.contains(&word))
     }
 
-    /// Whether the name contains a factor: `Force x 10`, `Force*10`, `10^3 force`, `10 N`.
+    /// Whether the name contains a factor: `Force x 10`, `10*t`, `10^3 force`, `10 N`.
     #[must_use]
     pub fn holds_factor(&self) -> bool {
         let factor = |(at, mark): (usize, &str)| {
             let (before, behind) = self.quantity.split_at_checked(at).unwrap_or_default();
             let behind = behind.strip_prefix(mark).unwrap_or_default().trim_start();
             let is_word = mark != "x" || !before.ends_with(char::is_alphanumeric);
-            is_word && behind.starts_with(|first: char| first.is_ascii_digit())
+            let is_before = matches!(mark, "*" | "×") && finite(before.trim().as_bytes()).is_some();
+            is_before || is_word && behind.starts_with(|first: char| first.is_ascii_digit())
         };
         finite(self.quantity.as_bytes()).is_some()
             || self.quantity.match_indices(['x', '×', '*', '/', '^']).any(factor)
@@ -186,8 +188,11 @@ fn is_unit(text: &str) -> bool {
 /// newtons.
 #[must_use]
 pub fn is_foreign(text: &str) -> bool {
-    const FOREIGN: [&str; 12] =
-        ["mn", "cn", "dn", "dan", "g", "gf", "tf", "kip", "kips", "ozf", "v", "mv"];
+    const FOREIGN: [&str; 28] = [
+        "mn", "cn", "dn", "dan", "g", "gf", "gram", "grams", "tf", "ton", "tons", "tonf", "tonne",
+        "tonnes", "kip", "kips", "klb", "klbf", "oz", "ozf", "v", "mv", "uv", "mvv", "volt",
+        "volts", "vdc", "lsb",
+    ];
     FOREIGN.contains(&text.to_lowercase().as_str())
 }
 
@@ -196,7 +201,10 @@ pub fn is_foreign(text: &str) -> bool {
 pub fn unit_within(name: &str) -> Option<&str> {
     let words = || name.split(|letter: char| !letter.is_alphanumeric());
     let is_other = |word: &&str| Unit::from_label(word).is_some_and(|unit| unit != Unit::Newton);
-    words().find(is_other).or_else(|| words().skip(1).find(|word| is_foreign(word)))
+    // Tonnes; behind a time it is its symbol.
+    let are_tonnes = |word: &str| word.eq_ignore_ascii_case("t");
+    let is_last = |word: &&str| is_foreign(word) || are_tonnes(word);
+    words().find(is_other).or_else(|| words().skip(1).find(is_last))
 }
 
 /// Whether a cell may belong to a row of units: empty, in brackets, or the name of a unit.
@@ -255,6 +263,10 @@ mod tests {
             ("S-beam 500 kg", "s-beam 500 kg", ""),
             ("load_1_kn", "load_1", "kn"),
             ("Load cell 5 kN [N]", "load cell 5 kn", "N"),
+            ("Force_kN_", "force", "kN"),
+            ("Force..kN.", "force", "kN"),
+            ("Time..min.", "time", "min"),
+            ("Std. Dev.", "std. dev", ""),
         ];
         for (name, quantity, unit) in table {
             let unit = Some(unit.to_string()).filter(|unit| !unit.is_empty());
@@ -273,6 +285,8 @@ mod tests {
             "Force/10",
             "10 N",
             "0.1 [kN]",
+            "10*t [s]",
+            "Time/10 ms",
         ] {
             assert!(Label::new(name).holds_factor(), "{name}");
         }

@@ -4,6 +4,7 @@ use crate::error::{InputError, excerpt};
 use crate::rounding::counted;
 
 use super::cells::{Cells, text};
+use super::label::is_foreign;
 use super::number::{Decimal, Unit, finite, is_thousand, reading, reading_of, thousand};
 use super::part::Part;
 use super::plain::PlainRow;
@@ -42,6 +43,8 @@ pub struct Layout {
     pub seconds_unsaid: bool,
     /// Parts of a second beside a time in whole seconds.
     pub part: Option<Part>,
+    /// Cell in which every row says the unit of its force.
+    pub unit_cell: Option<usize>,
 }
 
 /// Form of a row's time.
@@ -60,6 +63,13 @@ pub enum TimeCells {
         date: Option<usize>,
         /// Cell of the time of day.
         clock: usize,
+    },
+    /// The number of the row, in one cell.
+    Numbered {
+        /// Index of the cell.
+        cell: usize,
+        /// Rows per second.
+        rate_hz: f64,
     },
     /// No time: rows are consecutive.
     Count {
@@ -80,7 +90,7 @@ impl TimeCells {
         match self {
             Self::Number { unit, .. } => unit.is_calendar(),
             Self::DateAndClock { date, .. } => date.is_some(),
-            Self::Count { .. } => false,
+            Self::Numbered { .. } | Self::Count { .. } => false,
             Self::Cr10 { .. } => true,
         }
     }
@@ -94,9 +104,10 @@ impl Layout {
     pub fn timing(&self, rows: &[Row], rate_hz: Option<f64>) -> Result<Timing, InputError> {
         let unit = match self.time {
             TimeCells::Number { unit, .. } => unit,
-            TimeCells::DateAndClock { .. } | TimeCells::Count { .. } | TimeCells::Cr10 { .. } => {
-                TimeUnit::Second
-            }
+            TimeCells::DateAndClock { .. }
+            | TimeCells::Numbered { .. }
+            | TimeCells::Count { .. }
+            | TimeCells::Cr10 { .. } => TimeUnit::Second,
         };
         timing::find(rows, rate_hz, self.resolution_s, unit)
     }
@@ -138,9 +149,25 @@ impl Layout {
         if self.decimal == Decimal::Any {
             self.settle(force, line, cells)?;
         }
+        self.refuse_other_unit(line, cells)?;
         let row = Row { time_s: self.time_s(line, cells)?, reading, records: 1, line: 0 };
         let record = self.record.and_then(|cell| finite(cells.get(line, cell)?));
         Ok(Some((row, record)))
+    }
+
+    /// Rejects a row that says another unit than the first ones.
+    fn refuse_other_unit(&self, line: &[u8], cells: &Cells) -> Result<(), InputError> {
+        let Some(cell) = self.unit_cell else { return Ok(()) };
+        let said = cells.get(line, cell).map_or("", text);
+        let other = Unit::from_label(said).is_some_and(|unit| unit != self.unit);
+        match other || is_foreign(said) {
+            true => Err(InputError::new(format!(
+                "cell {} says '{said}', and the rows before {}: write all forces in one unit",
+                cell + 1,
+                self.unit.name()
+            ))),
+            false => Ok(()),
+        }
     }
 
     /// Determines the decimal mark from the first force with a mark.
@@ -166,7 +193,10 @@ impl Layout {
                 date_and_clock(cell(index)).is_some_and(|(_, clock)| has_zone(clock))
             }
             TimeCells::DateAndClock { clock, .. } => has_zone(cell(clock)),
-            TimeCells::Number { .. } | TimeCells::Count { .. } | TimeCells::Cr10 { .. } => false,
+            TimeCells::Number { .. }
+            | TimeCells::Numbered { .. }
+            | TimeCells::Count { .. }
+            | TimeCells::Cr10 { .. } => false,
         }
     }
 
@@ -193,6 +223,9 @@ impl Layout {
                 let date = date.map_or(Some(0.0), |date| date_seconds(text(cell(date))));
                 let clock_s = clock_seconds(text(cell(clock)));
                 (cell(clock), date.zip(clock_s).map(|(date, clock)| date + clock))
+            }
+            TimeCells::Numbered { cell: index, rate_hz } => {
+                (cell(index), finite(cell(index)).map(|number| number / rate_hz))
             }
             // The previous rows determine it.
             TimeCells::Count { .. } => return Ok(0.0),

@@ -58,6 +58,7 @@ pub mod sense;
 pub mod stamp;
 pub mod start;
 pub mod time_column;
+pub mod time_unit;
 pub mod timing;
 pub mod toa5;
 pub mod unit_cells;

@@ -4,6 +4,8 @@ use floe_core::{Counts, Fault, Newtons, Reading};
 
 use crate::error::InputError;
 
+use super::cells::words;
+
 /// Markers of a failed measurement: those of Campbell loggers, and -9999 of weather and climate
 /// archives.
 pub const SENTINELS: [f64; 4] = [-6999.0, 6999.0, -99999.0, -9999.0];
@@ -47,13 +49,15 @@ impl Unit {
     /// The unit in a column's name or units row.
     #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
-        match label.trim().to_lowercase().as_str() {
+        match label.trim().trim_end_matches('.').to_lowercase().as_str() {
             "n" | "newton" | "newtons" | "н" => Some(Self::Newton),
             "kn" | "kilonewton" | "kilonewtons" | "кн" => Some(Self::Kilonewton),
             "lbf" | "lbs" | "lb" | "pound" | "pounds" => Some(Self::PoundForce),
             // A load cell that shows kg shows the force of that mass.
-            "kgf" | "kg" | "kp" | "кгс" | "kilogram" | "kilograms" => Some(Self::KilogramForce),
-            "counts" | "count" | "adc" => Some(Self::Counts),
+            "kgf" | "kg" | "kgs" | "kp" | "кгс" | "kilogram" | "kilograms" => {
+                Some(Self::KilogramForce)
+            }
+            "counts" | "count" | "cts" | "adc" => Some(Self::Counts),
             _ => None,
         }
     }
@@ -171,7 +175,7 @@ pub fn is_missing(cell: &[u8]) -> bool {
 pub fn is_grouped(cell: &[u8]) -> bool {
     const MARKS: [char; 9] =
         [',', '.', ' ', '_', '\'', '\u{2019}', '\u{a0}', '\u{2009}', '\u{202f}'];
-    let text = String::from_utf8_lossy(cell);
+    let text = words(cell);
     let mut groups = text.trim_start_matches(['+', '-']).split(MARKS);
     let digits = |group: &str| !group.is_empty() && group.bytes().all(|b| b.is_ascii_digit());
     let leads = |group: &str| digits(group) && group.len() < 4 && !group.starts_with('0');

@@ -53,9 +53,10 @@ impl Columns<'_> {
         let (cell, unit) = match time {
             TimeCells::Number { cell, unit: unit @ (Second | Iso | Epoch) } => (cell, Some(unit)),
             TimeCells::DateAndClock { clock, .. } => (clock, None),
-            TimeCells::Number { .. } | TimeCells::Count { .. } | TimeCells::Cr10 { .. } => {
-                return None;
-            }
+            TimeCells::Number { .. }
+            | TimeCells::Numbered { .. }
+            | TimeCells::Count { .. }
+            | TimeCells::Cr10 { .. } => return None,
         };
         let seconds = |text: &str| match unit {
             Some(unit) => unit.seconds(text.as_bytes(), decimal),

@@ -46,6 +46,7 @@ impl Plain {
         };
         let other = layout.record.is_some()
             || layout.part.is_some()
+            || layout.unit_cell.is_some()
             || layout.array_id.is_some()
             || layout.unit == Unit::Counts
             || [b' ', b'-', mark].contains(&layout.separator);

@@ -5,7 +5,7 @@ use crate::error::InputError;
 use super::cells::words;
 use super::columns::said;
 use super::header::{Content, Header};
-use super::label::unit_within;
+use super::label::{Label, is_foreign, unit_within};
 use super::metadata::Said;
 use super::number::{Unit, finite};
 use super::rows::Rows;
@@ -64,17 +64,42 @@ fn unit_held(line: &str) -> Option<&str> {
     let is_other = |word: &str| {
         Unit::from_label(word).is_some_and(|unit| unit != Unit::Newton && unit != Unit::Counts)
     };
+    let foreign = |word: &str, before: &str| is_foreign(word) && tells_unit(line, before);
     let mut before = "";
     for piece in line.split_inclusive(|letter: char| !letter.is_alphanumeric()) {
         let word = piece.trim_end_matches(|letter: char| !letter.is_alphanumeric());
         let before_marks = before.trim_end_matches([' ', '\t', ',', ';', ':', '=']);
         let is_of_number = before_marks.ends_with(|last: char| last.is_ascii_digit());
-        if is_other(word) && !is_of_number && !piece.ends_with('/') {
+        if (is_other(word) || foreign(word, before)) && !is_of_number && !piece.ends_with('/') {
             return Some(word);
         }
         before = if piece.trim().is_empty() { before } else { piece };
     }
     None
+}
+
+/// Whether a word behind `before` is a unit, even one that is not read: `Y_Unit_Label mV`, `Force in g`.
+fn tells_unit(line: &str, before: &str) -> bool {
+    const NAMES: [&str; 4] = ["unit", "units", "einheit", "einheiten"];
+    let line = line.to_lowercase();
+    let mut words = line.split(|letter: char| !letter.is_alphanumeric());
+    let is_behind = before.trim() == "in" || before.ends_with(['(', '[']);
+    words.any(|word| NAMES.contains(&word)) || is_behind && Label::new(&line).holds_force()
+}
+
+/// Rejects a name with another unit besides that which is read: `Force (N) kN`.
+///
+/// # Errors
+/// Names both.
+pub fn refuse_second(name: &str, quantity: &str, unit: Unit) -> Result<(), InputError> {
+    match unit_held(quantity).filter(|held| Unit::from_label(held) != Some(unit)) {
+        Some(held) => Err(InputError::new(format!(
+            "column '{name}' is in {} and in {}: correct its name, or give --unit",
+            unit.name(),
+            Unit::from_label(held).map_or(held, |unit| unit.name())
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Rejects a `# unit:` other than the unit in use.
@@ -114,8 +139,19 @@ mod tests {
         {
             assert!(unit_held(line).is_some_and(|unit| unit.eq_ignore_ascii_case("kN")), "{line}");
         }
+        for (line, unit) in [
+            ("Y_Unit_Label\tVolts", "Volts"),
+            ("Unit;g", "g"),
+            ("Force in daN", "daN"),
+            ("# load [mV]", "mV"),
+        ] {
+            assert_eq!(unit_held(line), Some(unit), "{line}");
+        }
         for line in [
             "Load cell: 5 kN",
+            "Version V, Serie G",
+            "Force cell sensitivity (mV/V)",
+            "Time (s), Supply (V)",
             "mass_kg: 64",
             "Mass\t64 kg",
             "600 kg/m3, in kg/m3",

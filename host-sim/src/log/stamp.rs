@@ -46,10 +46,9 @@ impl TimeUnit {
     /// The unit in a column's name or units row.
     #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
-        match label.trim().to_lowercase().as_str() {
-            "s" | "sec" | "secs" | "с" | "сек" | "second" | "seconds" | "sekunde" | "sekunden" => {
-                Some(Self::Second)
-            }
+        match label.trim().trim_end_matches('.').to_lowercase().as_str() {
+            "s" | "sec" | "secs" | "sek" | "с" | "сек" | "second" | "seconds" | "sekunde"
+            | "sekunden" => Some(Self::Second),
             "ms" | "msec" | "мс" | "millis" | "millisecond" | "milliseconds" => {
                 Some(Self::Millisecond)
             }

@@ -118,7 +118,8 @@ impl Columns<'_> {
             }
             width => Err(InputError::new(format!(
                 "no header line over {width} columns: name the columns, e.g. 'time_s,force_n', \
-                 or give --time-column 1 --column 2"
+                 or give --time-column 1 --column {}",
+                (1..width).find(|&at| self.is_bare(at)).unwrap_or(1) + 1
             ))),
         }
     }
@@ -166,6 +167,7 @@ impl Columns<'_> {
             return Ok(clock);
         }
         let name = self.name(column);
+        self.refuse_factor(column, options)?;
         let stated: Vec<&str> = self.stated(column).collect();
         let units: Vec<TimeUnit> =
             stated.iter().filter_map(|unit| TimeUnit::from_label(unit)).collect();
@@ -226,16 +228,21 @@ impl Columns<'_> {
             20_000.0..80_000.0 | 713_960.0..773_960.0 if !rates(1.0) && rates(86_400.0) => {
                 self.dated(column, TimeUnit::Excel, decimal)
             }
+            _ if self.unit_within(column).is_some() => Err(InputError::new(format!(
+                "the name of column {} holds '{}': give the unit, --time-unit s|ms|us|ns|min",
+                self.said(column),
+                self.unit_within(column).unwrap_or_default()
+            ))),
             _ if self.numbers_rows(column, decimal) => Err(InputError::new(format!(
                 "the times of column {} go up by 1 from row to row and have no unit: are they \
-                 numbers of the rows? give --time-unit s or ms if not, else another --time-column",
+                 numbers of the rows? then give --rate-hz, else --time-unit s or ms, or another --time-column",
                 self.said(column)
             ))),
             _ => Ok(TimeUnit::Second),
         }
     }
 
-    fn values(&self, column: usize, decimal: Decimal) -> Vec<f64> {
+    pub(super) fn values(&self, column: usize, decimal: Decimal) -> Vec<f64> {
         self.cells(column).filter_map(|cell| number(cell.as_bytes(), decimal)).collect()
     }
 
@@ -260,31 +267,6 @@ impl Columns<'_> {
         whole && values.len() > 3 && count_up(&values)
     }
 
-    /// Rejects counts from another year than 1970 or in another unit, and days other than a
-    /// spreadsheet's.
-    fn dated(
-        &self,
-        column: usize,
-        unit: TimeUnit,
-        decimal: Decimal,
-    ) -> Result<TimeUnit, InputError> {
-        const YEAR_S: f64 = 31_556_952.0;
-        let first = self.cells(column).find_map(|c| unit.seconds(c.as_bytes(), decimal));
-        let Some(seconds) = first.filter(|&seconds| !is_since_1970(seconds)) else {
-            return Ok(unit);
-        };
-        let why = if unit == TimeUnit::Excel {
-            "are a spreadsheet's days: give --time-unit excel if they are"
-        } else {
-            "count from 1970: give --time-unit s|ms|us|ns if they count from elsewhere"
-        };
-        Err(InputError::new(format!(
-            "the times of column {} begin in {:.0} if they {why}, or turn them into seconds",
-            self.said(column),
-            (1970.0 + seconds / YEAR_S).floor()
-        )))
-    }
-
     /// Whether the unit of a time assumed to be in seconds is unstated.
     #[must_use]
     pub fn seconds_unsaid(&self, time: TimeCells, options: &LogOptions) -> bool {
@@ -296,6 +278,10 @@ impl Columns<'_> {
     /// day beside a date that is not read.
     #[must_use]
     pub fn assumed_seconds(&self, time: TimeCells, options: &LogOptions) -> Option<String> {
+        if let TimeCells::Numbered { cell, .. } = time {
+            let name = self.said(cell);
+            return Some(format!("column {name} numbers the rows, and the rate is as given"));
+        }
         let TimeCells::Number { cell, .. } = time else { return self.unread_date(time) };
         let is_whole = |value: &f64| value.fract().abs() < 1e-9;
         let values = self.values(cell, Decimal::Any);

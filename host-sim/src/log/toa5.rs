@@ -64,6 +64,7 @@ pub fn layout(
         resolution_s: None,
         seconds_unsaid: false,
         part: None,
+        unit_cell: None,
     };
     Ok((layout, notes))
 }

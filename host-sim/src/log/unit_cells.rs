@@ -17,14 +17,31 @@ impl Columns<'_> {
         self.cells(self.behind(column)?).find_map(Unit::from_label)
     }
 
-    /// The unit of the force in the first rows: in the next column, or in the only column of units.
+    /// The column in which every row says the force's unit, if that is one that is read.
+    ///
+    /// # Errors
+    /// The first rows contain several units.
+    pub fn unit_cell(&self, force: usize) -> Result<Option<usize>, InputError> {
+        let is_read = self.unit_in_rows(force)?.and_then(Unit::from_label).is_some();
+        Ok(self.unit_column(force).filter(|_| is_read))
+    }
+
+    /// The column of units: the one behind the force, or the only one. Behind other columns `N` may
+    /// be the north if the force's unit is known and no name says more.
+    fn unit_column(&self, force: usize) -> Option<usize> {
+        let is_known = self.stated_force(force).is_some();
+        let mut all = (0..self.header.width)
+            .filter(|&at| self.is_called_units(at) || !is_known && self.holds_units(at));
+        let only = all.next().filter(|_| all.next().is_none());
+        self.behind(force).or(only)
+    }
+
+    /// The unit of the force in the first rows.
     ///
     /// # Errors
     /// The rows contain several units.
     pub fn unit_in_rows(&self, force: usize) -> Result<Option<&str>, InputError> {
-        let mut all = (0..self.header.width).filter(|&at| self.holds_units(at));
-        let only = all.next().filter(|_| all.next().is_none());
-        let Some(column) = self.behind(force).or(only) else { return Ok(None) };
+        let Some(column) = self.unit_column(force) else { return Ok(None) };
         let said = |cell: &&str| !cell.is_empty() && finite(cell.as_bytes()).is_none();
         let mut cells = self.cells(column).filter(said);
         let Some(first) = cells.next() else { return Ok(None) };
@@ -66,11 +83,14 @@ impl Columns<'_> {
         Some(column + 1).filter(|&next| self.holds_units(next))
     }
 
+    fn is_called_units(&self, column: usize) -> bool {
+        self.labels.get(column).is_some_and(|label| NAMES.contains(&label.quantity.as_str()))
+    }
+
     /// Whether a column contains units, by its name or its cells.
     fn holds_units(&self, column: usize) -> bool {
-        let name = self.labels.get(column).map(|label| label.quantity.as_str());
         let mut cells = self.cells(column).peekable();
-        name.is_some_and(|name| NAMES.contains(&name))
+        self.is_called_units(column)
             || cells.peek().is_some()
                 && cells.all(|cell| Unit::from_label(cell).is_some() || is_foreign(cell))
     }

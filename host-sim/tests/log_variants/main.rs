@@ -9,6 +9,7 @@ mod misread;
 mod people;
 mod ports;
 mod texts;
+mod units;
 
 use std::fmt::Write;
 
@@ -126,6 +127,8 @@ fn forms() -> Vec<Form> {
         loggers::lines(),
         ports::stamps(),
         ports::first_lines(),
+        units::forces(),
+        units::times(),
     ]
     .into_iter()
     .flatten()
