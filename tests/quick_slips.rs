@@ -5,6 +5,11 @@
 //! `cargo test -p floe-tests --test quick_slips -- --nocapture` prints the figures.
 
 use floe::sim::Scene;
+use floe_core::Config;
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2;
+use floe_tests::feed;
+use floe_tests::normal::Normal;
+use floe_tests::saw::{Slip, saw};
 use floe_tests::scenes::{quick, stored};
 use floe_tests::score::{self, Tried, run};
 
@@ -81,5 +86,28 @@ fn irregular_slips_are_found_and_read() {
         println!("irregular, {white_n} N of noise: {found:.3} of {all} are found, {read:.3} read");
         assert!(found > least, "{white_n} N: {found} are found");
         assert!(read > least_read, "{white_n} N: {read} are read");
+    }
+}
+
+/// Friction that slows a slip down makes it last longer than weight and winch tell; by a factor of
+/// three the stiffness from the winch is nine times that from the slips. Such slips are no aliases:
+/// those recur faster than the samples, and would make the ratio as large as their own recurrence.
+#[test]
+fn slips_that_friction_slows_down_are_read() {
+    const RATE: f64 = 22.5;
+    const OMEGA: f64 = 1.18;
+    let slip = Slip { static_n: 781.0, dynamic_n: 491.0, omega: OMEGA };
+    for ratio in [1.0, 4.0, 9.0] {
+        let base = Config { weight_n: 630.0, rate_hz: 16.0, ..Config::default() };
+        let by_inertia = 16.0 * OMEGA * OMEGA * 630.0 / STANDARD_GRAVITY_M_PER_S2;
+        let winch_m_per_s = Some((RATE / (ratio * by_inertia)) as f32);
+        let config = Config { winch_m_per_s, ..base };
+        let mut normal = Normal::new(7);
+        let (mut forces_n, onsets) = saw(&[slip; 80], RATE, 20.3);
+        forces_n.iter_mut().for_each(|it| *it += 2.0 * normal.sample());
+        let events = feed::replay(&config, feed::in_a_row(&forces_n)).events;
+        let read = events.iter().filter(|it| it.mu_s.is_some() && it.mu.is_some()).count();
+        println!("stiffer by {ratio}: {read} of {}", onsets.len());
+        assert!(read + 4 > onsets.len(), "{ratio}: {read} of {}", onsets.len());
     }
 }

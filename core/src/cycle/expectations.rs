@@ -153,6 +153,7 @@ impl Expectations {
 
     /// Is the swing known from earlier events? If few of them determine it, those are the ones that
     /// came out long by chance.
+    #[inline(never)]
     pub(crate) fn knows_omega(&self) -> bool {
         self.inverse_omega.is_well_known(&self.rate)
     }

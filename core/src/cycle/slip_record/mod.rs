@@ -157,6 +157,7 @@ impl SlipRecord {
     }
 
     /// Sets the cycle from which the last fit begins, that of an earlier fit, if there is one.
+    #[inline(never)]
     pub(crate) fn begin_from(&mut self, earlier: Option<&Fit>) {
         self.early = earlier.map(|fit| *fit.cycle());
         self.stop = earlier.map_or(self.low.time, |fit| fit.shape.stop());
