@@ -71,29 +71,32 @@ impl Detector {
     fn falls_at_once(&self, now: ForcePoint) -> bool {
         let before = |samples: u32| self.window.get(now.index.saturating_sub(samples));
         let (Some(last_n), Some(earlier_n)) = (before(1), before(2)) else { return false };
-        let (fall_n, least_n) = (last_n - now.force_n, LEAST_FALL * self.usual_drop_n);
+        let (fall_n, is_first) = (last_n - now.force_n, self.usual_drop_n <= 0.0);
+        let least_n = if is_first {
+            FIRST_DROP * self.noise.quick_n()
+        } else {
+            LEAST_FALL * self.usual_drop_n
+        };
         let falls = |least_n: f32| {
             fall_n > larger(least_n, 2.0 * (earlier_n - last_n))
                 && earlier_n - now.force_n > FROM_EARLIER * least_n
         };
-        let noises = if self.usual_drop_n > 0.0 { OFF_LINE } else { FIRST_DROP };
         falls(least_n)
             && (self.is_high() || !self.flops())
-            && falls(noises * self.quick_n(now.index))
+            && (is_first || falls(OFF_LINE * self.quick_n(now.index)))
     }
 
     /// Standard deviation of the noise of single samples, N, by the second differences of the samples
     /// before this one: what changes slowly is not in it. Those of half a usual drop are slips.
     /// Infinite without any, as after a gap.
     fn quick_n(&self, now: u32) -> f32 {
-        let slip_n = if self.usual_drop_n > 0.0 { 0.5 * self.usual_drop_n } else { f32::INFINITY };
         let (mut sum_n, mut count) = (0.0, 0.0);
         let (mut last, mut next) = (f32::NAN, f32::NAN);
         for back in 1..LOOKED_AT {
             let n = self.window.get(now.saturating_sub(back)).unwrap_or(f32::NAN);
             let second_n = (n - 2.0 * next + last).abs();
             // False for NaN as well.
-            if second_n < slip_n {
+            if second_n < 0.5 * self.usual_drop_n {
                 (sum_n, count) = (sum_n + second_n, count + 1.0);
             }
             (last, next) = (next, n);

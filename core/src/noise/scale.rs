@@ -184,19 +184,22 @@ impl Noise {
         if self.repeats && self.hidden_n > 0.0 { self.resolution_n } else { 0.0 }
     }
 
+    /// Standard deviation of the noise of single samples, N, by the second differences, to which
+    /// what changes slowly adds nothing. Infinite before enough samples.
+    pub(crate) fn quick_n(&self) -> f32 {
+        let by_seconds_n = |second_n| larger(second_n * STD_PER_SECOND, self.step_n());
+        self.second_difference.value().map_or(f32::INFINITY, by_seconds_n)
+    }
+
     /// Standard deviation of the samples' noise, N, by measures that need no line; the scale of the
     /// innovations is `line_n`. Infinite where none applies.
     fn without_line_n(&self, line_n: f32) -> f32 {
-        let (Some(oscillation_n2), Some(second_n)) =
-            (self.oscillation.noise_n2(), self.second_difference.value())
-        else {
-            return f32::INFINITY;
-        };
+        let Some(oscillation_n2) = self.oscillation.noise_n2() else { return f32::INFINITY };
         let mut std_n = self.time_asymmetry.slip_n().map_or(f32::INFINITY, |slip_n| SLIP * slip_n);
         if self.oscillation.leaves_little(oscillation_n2) {
             std_n = smaller(std_n, math::rough_sqrt(oscillation_n2));
         }
-        let bent_n = CAUTION * larger(second_n * STD_PER_SECOND, self.step_n());
+        let bent_n = CAUTION * self.quick_n();
         if line_n < f32::INFINITY && bent_n < BENT * line_n {
             std_n = smaller(std_n, bent_n);
         }
