@@ -16,13 +16,12 @@ pub mod card;
 pub mod clock;
 pub mod console;
 pub mod crash;
+mod watchdog;
 
 use embassy_stm32::gpio::{Level, Output, Pull, Speed};
 use embassy_stm32::i2c::{self, I2c};
-use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::spi::{self, Spi};
 use embassy_stm32::usart::{self, Uart};
-use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peripherals, rcc};
 use embassy_time::Duration;
 
@@ -30,14 +29,10 @@ use super::stack;
 use bus::Bus;
 use card::CardSlot;
 use console::Console;
-
-/// The watchdog.
-pub type Watchdog = IndependentWatchdog<'static, IWDG>;
+pub use watchdog::Watchdog;
 
 /// Time limit of a transfer: the longest, 65 bytes for the display, takes 1.5 ms.
 const I2C_LIMIT: Duration = Duration::from_millis(4);
-/// Watchdog period: longer than the longest pause of a card, shorter than a user's patience.
-const WATCHDOG_US: u32 = 10_000_000;
 
 /// The board's peripherals, handed to `main`.
 #[expect(missing_debug_implementations, reason = "the peripherals have none")]
@@ -48,7 +43,7 @@ pub struct Board {
     pub card: CardSlot,
     /// The serial console.
     pub console: Console,
-    /// The watchdog; it resets the board unless it is fed in time.
+    /// The watchdog.
     pub watchdog: Watchdog,
 }
 
@@ -88,7 +83,7 @@ impl Board {
             bus: Bus::new(i2c),
             card: CardSlot::new(spi, select),
             console: Console::new(uart),
-            watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
+            watchdog: Watchdog::new(),
         }
     }
 }
