@@ -88,6 +88,33 @@ fn a_trial_that_fails_leaves_the_weight() {
     assert!(tried > 5, "{tried}");
 }
 
+/// A patch of snow halves the static friction, so that slips recur every nine samples. An event that
+/// is refused there is not said to be an alias: its recurrence is the true one.
+#[test]
+fn a_patch_of_snow_makes_no_aliases() {
+    const WEIGHT_N: f64 = 630.0;
+    const PATCH: core::ops::Range<usize> = 20..50;
+    let (mut refused, mut aliased) = (0, 0);
+    for seed in 0..12 {
+        let mut normal = Normal::new(seed);
+        let mut slip = |index: usize| {
+            let mu_s = if PATCH.contains(&index) { 0.9 } else { 1.24 };
+            let mut around = |mu: f64| mu * WEIGHT_N * (1.0 + 0.01 * normal.sample());
+            Slip { static_n: around(mu_s), dynamic_n: around(0.78), omega: 1.183 }
+        };
+        let slips: Vec<Slip> = (0..90).map(&mut slip).collect();
+        let (mut forces_n, _) = saw(&slips, 22.5, 20.0);
+        forces_n.iter_mut().for_each(|it| *it += 2.0 * normal.sample());
+        for event in read(WEIGHT_N, &forces_n).events {
+            refused += usize::from(event.reason.is_some());
+            aliased += usize::from(event.reason == Some(Reason::Aliased));
+        }
+    }
+    println!("{refused} refused, {aliased} as aliases");
+    assert!(refused > 0);
+    assert_eq!(aliased, 0);
+}
+
 /// After a break the new block is known as well as the old one was: a second break is seen too.
 #[test]
 fn a_block_that_breaks_twice_is_weighed_twice() {

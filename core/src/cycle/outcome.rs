@@ -156,8 +156,10 @@ impl CycleTracker {
         // except: among fast slips any reason is evidence; among slow ones, that the force does not
         // take the course of a slip.
         let doubted = reason.or(event.reason).is_some_and(|it| is_fast || it.is_of_shape());
-        let doubtful =
-            self.recurrence.is_folded(folded || doubted) && fit.is_some() && !agrees_with_winch;
+        let likely = self.recurrence.is_folded(folded || doubted);
+        // Where the event has a reason of its own, that is the one which is known to be true.
+        let is_open = fit.is_some() && (folded || event.reason.is_none());
+        let doubtful = likely && is_open && !agrees_with_winch;
         let why = if is_fast { Reason::Aliased } else { Reason::NoFit };
         reason.or(doubtful.then_some(why))
     }
@@ -176,7 +178,11 @@ impl CycleTracker {
         // the same. A slow swing of the force bends its lines.
         let wander = if is_fast { slip.wander.line_excess + slip.wander.unsure } else { 0.0 };
         let part = 1.0 / (1.0 + wander);
-        let (rate, drop) = ((cycle.rate, part * of_rate), (cycle.half_drop_n, part * of_drop));
+        let (own_rate, drop) = ((cycle.rate, part * of_rate), (cycle.half_drop_n, part * of_drop));
+        // Where the force wanders its lines say little, and the rate of all events is known better.
+        // That of fast ones may be an alias.
+        let is_shared = !is_fast && rate.0 > 0.0 && rate.1 < own_rate.1;
+        let rate = if is_shared { rate } else { own_rate };
         let own = RootStiffnessRatio::new(&site, rate, (cycle.inverse_omega(), of_swing));
         let agrees_with_winch = own.is_one();
         // A smooth oscillation of the force can be fitted as slips as well, but without a sample
