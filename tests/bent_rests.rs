@@ -27,9 +27,8 @@ fn pulled(seed: u64) -> Vec<f64> {
     for _ in 0..SLIPS {
         let (static_n, dynamic_n) = (780.0 + 6.0 * normal.sample(), 630.0 + 6.0 * normal.sample());
         let drop_n = static_n - dynamic_n;
-        let is_low = |time: &f64| low_n + risen_n(*time) < static_n;
-        let onset =
-            begin + 0.01 * (0..).map(|i| 0.01 * f64::from(i)).take_while(is_low).count() as f64;
+        let slips = |time: &f64| low_n + risen_n(*time) >= static_n;
+        let onset = begin + (0..).map(|i| 0.01 * f64::from(i)).find(slips).unwrap();
         while (forces_n.len() as f64) < onset + SLIP {
             let now = forces_n.len() as f64;
             let force_n = if now < onset {

@@ -88,7 +88,7 @@ fn a_trial_that_fails_leaves_the_weight() {
     assert!(tried > 5, "{tried}");
 }
 
-/// A patch of snow halves the static friction, so that slips recur every nine samples. An event that
+/// A patch of snow lowers the static friction, so that slips recur every nine samples. An event that
 /// is refused there is not said to be an alias: its recurrence is the true one.
 #[test]
 fn a_patch_of_snow_makes_no_aliases() {

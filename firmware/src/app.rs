@@ -102,7 +102,7 @@ pub struct View {
 impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     /// Does not access the hardware yet. The caller provides the pipeline's memory, because the
     /// pipeline is most of the program's RAM and must not be moved.
-    #[inline(never)]
+    #[inline]
     pub fn new(
         queue: SampleConsumer<'q>,
         shared: &'q Shared,

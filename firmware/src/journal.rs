@@ -26,7 +26,6 @@ pub struct Journal<S> {
 
 impl<S: Store> Journal<S> {
     /// A journal that appends to the store's contents.
-    #[inline(never)]
     pub fn new(store: S, clock_hz: u32) -> Self {
         // The record is created in place, because it is large.
         let mut new = Self {

@@ -14,7 +14,7 @@ pub struct Watchdog(());
 impl Watchdog {
     /// Sets the period.
     pub(super) fn new() -> Self {
-        tell(Key::ENABLE);
+        write_key(Key::ENABLE);
         IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY128));
         IWDG.rlr().write(|w| w.set_rl(COUNTS - 1));
         Self(())
@@ -22,15 +22,15 @@ impl Watchdog {
 
     /// Starts it; only a reset stops it.
     pub fn unleash(&mut self) {
-        tell(Key::START);
+        write_key(Key::START);
     }
 
     /// Begins a new period.
     pub fn pet(&mut self) {
-        tell(Key::RESET);
+        write_key(Key::RESET);
     }
 }
 
-fn tell(key: Key) {
+fn write_key(key: Key) {
     IWDG.kr().write(|w| w.set_key(key));
 }
